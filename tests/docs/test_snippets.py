@@ -164,6 +164,9 @@ PAGES = {
 # Page and the beginning of a block that is parsed, but not run -> why.
 NOT_RUN = {
     ("README.md", "make study"): "installs an environment; .ci/run begins with make",
+    ("docs/reference-set.md", "dubins-study report"): "tests/unit/report/test_load.py has a folder",
+    ("docs/reference-set.md", "g++"): "test_reference_set.py compiles it and asks a small suite",
+    ("docs/reference-set.md", "dubins-study solve"): "programs that test_executables.py replaces",
     ("docs/submit.md", "dubins-study run"): "two suites take an hour; of a solver of the reader's",
     ("docs/submit.md", "dubins-study report"): "tests/unit/report/test_load.py has a folder",
     ("docs/plugins.md", "from dubins_study import load_results"): "reads the committed rows",
@@ -190,6 +193,7 @@ NOT_RUN = {
 SLOW = (
     *("docs/tutorial.md", "docs/survey.md", "docs/plugins.md", "docs/running.md"),
     *("docs/reference/api.md", "docs/recipes.md", "docs/tours.md", "README.md"),
+    "docs/reference-set.md",
 )
 
 

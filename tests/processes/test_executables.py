@@ -10,6 +10,9 @@ from cases import PAPER
 from live_run import wait_for
 
 from dubins_study.experiments.solve import solve
+from dubins_study.solvers.engines import EXECUTABLES
+from dubins_study.solvers.registry import SolverError
+from dubins_study.study.scenario import Scenario
 from dubins_study.study.words import Claim, Outcome, Verdict
 
 pytestmark = pytest.mark.smoke
@@ -31,6 +34,24 @@ code = 0 if solver.stats()["success"] else 200
 lines = ["", "Ipopt 3.14.0 (stand-in): " + solver.stats()["return_status"], "", "Options", "3",
          "1", "1", "0", str(len(y)), str(len(y)), str(len(x)), str(len(x))]
 lines += [repr(float(v)) for v in (*y, *x)] + ["objno 0 " + str(code)]
+open(stub + ".sol", "w").write("\\n".join(lines) + "\\n")
+"""
+
+
+# One for integers: SCIP reads the NL file, and names the variables by their places.
+MIXED_STAND_IN = """#!{python}
+import sys
+import pyscipopt
+stub = sys.argv[1]
+scip = pyscipopt.Model()
+scip.hideOutput()
+scip.readProblem(stub + ".nl")
+scip.setParam("numerics/feastol", 1e-9)
+scip.optimize()
+columns, rows = open(stub + ".nl").read().splitlines()[1].split()[:2]
+named = {{int(v.name[1:]): scip.getVal(v) for v in scip.getVars()}}
+lines = ["", "SCIP (stand-in): " + scip.getStatus(), "", "Options", "3", "1", "1", "0",
+         rows, "0", columns, columns, *(repr(named[i]) for i in range(int(columns))), "objno 0 0"]
 open(stub + ".sol", "w").write("\\n".join(lines) + "\\n")
 """
 
@@ -155,3 +176,82 @@ def test_an_executable_on_path_is_used(programs):
     # multipliers are right to the root of the tolerance at most
     assert executable.multiplier_x == pytest.approx(library.multiplier_x, abs=1e-6)
     assert executable.multiplier_y == pytest.approx(library.multiplier_y, abs=1e-6)
+
+
+ROUTE = Scenario(heading=0.3, via=[(4, 1)], target_x=10, target_y=5, final_heading=1.5)
+
+
+@pytest.mark.parametrize("name", ["route-nlp", "multiple-shooting", "collocation"])
+def test_an_executable_solves_the_programs_of_routes(programs, name):
+    """As good as Ipopt's library, which the stand-in calls, on the same program."""
+    put_solver(programs, "snopt")
+
+    answer = solve(ROUTE, f"{name}[engine=snopt]", limit=20)
+
+    assert answer.claim is Claim.LOCAL
+    assert answer.verdict is Verdict.OPTIMAL, answer.message
+    assert "stand-in" in answer.message
+    assert answer.engine == "snopt"
+    assert answer.tolerance is None  # nobody knows what it calls its tolerances
+
+
+def test_an_executable_solves_the_disjunction_and_proves_nothing(programs):
+    """Its point is the shortest path; without a bound it is not claimed to be."""
+    put_program(programs, "couenne", MIXED_STAND_IN.format(python=sys.executable))
+
+    answer = solve(PAPER["problem 1"], "disjunctive[engine=couenne]", limit=60)
+
+    assert answer.verdict is Verdict.OPTIMAL, answer.message
+    assert answer.claim is Claim.FEASIBLE
+    assert answer.lower_bound == 0.0
+    assert answer.proves is None
+
+
+@pytest.mark.parametrize(
+    ("spec", "expected"),
+    [
+        ("route-nlp[engine=ipopt-hsl]", {"tol": 1e-9, "constr_viol_tol": 1e-9}),
+        ("route-nlp[engine=ipopt-hsl,tol=1e-5,max_iter=7]", {"dual_inf_tol": 1e-5, "max_iter": 7}),
+        ("collocation[engine=uno_ampl]", {"primal_tolerance": 1e-9, "dual_tolerance": 1e-9}),
+        ("disjunctive[engine=knitroampl]", {"feastol": 1e-8, "mip_opt_gap_rel": 1e-7}),
+        ("nlp[engine=minos]", {}),
+    ],
+)
+def test_tolerances_and_the_limit_are_passed_by_the_makers_names(programs, spec, expected):
+    """The time is that which is left, rounded down; what has no name is not passed."""
+    name = spec.partition("engine=")[2].rstrip("]").partition(",")[0]
+    put_program(programs, name, f'#!/bin/sh\necho "$@" >> {programs}/asked\n')
+
+    solve(ROUTE if "nlp[engine=minos" not in spec else PAPER["problem 1"], spec, limit=3)
+
+    first, second, *options = (programs / "asked").read_text().splitlines()[0].split()
+    asked = {key: float(value) for key, value in (each.split("=") for each in options)}
+    assert (first, second) == ("model", "-AMPL")
+    assert {key: asked[key] for key in expected} == expected
+    seconds = {"max_cpu_time", "time_limit", "maxtime_real"} & asked.keys()
+    assert all(0 < asked[key] <= 3 for key in seconds)
+    assert len(seconds) == bool(expected)
+
+
+@pytest.mark.parametrize("name", ["route-nlp", "disjunctive", "multiple-shooting"])
+def test_a_name_that_is_neither_engine_nor_executable_is_told(name):
+    """A slip that may be a program's name is unavailable; a path is refused at once."""
+    answer = solve(ROUTE, f"{name}[engine=scipp]")
+    assert answer.outcome is Outcome.UNAVAILABLE
+    assert "no executable 'scipp' on PATH" in answer.message
+    with pytest.raises(SolverError, match=r"expected one of: .*, or the name of an executable"):
+        solve(ROUTE, f"{name}[engine=./ipopt]")
+
+
+def test_the_page_names_every_option_that_is_passed():
+    page = (Path(__file__).parents[2] / "docs" / "reference-set.md").read_text()
+    for begin, names in EXECUTABLES.items():
+        options = names.options
+        told = (begin, *options.feasibility, *options.optimality, names.gap, names.seconds)
+        assert [name for name in told if name and f"`{name}`" not in page] == []
+
+
+def test_engines_of_another_kind_are_no_executables():
+    """`highs` is an engine of the table, which reads no such program."""
+    with pytest.raises(SolverError, match="engine is 'highs'"):
+        solve(ROUTE, "route-nlp[engine=highs]")

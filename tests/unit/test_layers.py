@@ -35,16 +35,16 @@ class Size(NamedTuple):
 # Syntax nodes that a room with all rooms below it, the whole package and the tests may hold. A
 # budget is raised only in the commit that adds what it is for.
 BUDGETS = {
-    "study": 88_000,
-    "solvers": 73_500,
+    "study": 87_000,
+    "solvers": 75_100,
     "asking": 5_500,
-    "experiments": 34_450,
+    "experiments": 36_900,
     "conformance": 11_800,
     "report": 74_000,
     "missions": 8_600,
-    "cli": 14_200,
-    "package": 309_000,
-    "tests": 277_800,
+    "cli": 15_000,
+    "package": 313_000,
+    "tests": 279_900,
 }
 
 _LEAVES = (
@@ -66,7 +66,7 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
     "study.kinds": (*_FACTS, "study.check", "study.tour"),
     "study.judging": (*_FACTS, "study.check", "study.kinds"),
     "solvers": (*_FACTS, "study.kinds"),  # the closed form asks the kinds; none asks the check
-    "solvers.nlp_engines": (*_FACTS, "solvers"),
+    "solvers.nlp_engines": (*_FACTS, "solvers", "solvers.minlp_engines"),
     "solvers.one_leg": (*_FACTS, "solvers"),
     "solvers.paper_nlp": (*_FACTS, "solvers", "solvers.nlp_engines", "solvers.one_leg"),
     "solvers.optimal_control": (*_FACTS, "solvers", "solvers.nlp_engines", "solvers.one_leg"),
@@ -84,7 +84,10 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
     ),
     "solvers.tour": (*_FACTS, "solvers", "solvers.minlp_engines"),
     "solvers.convex": (*_FACTS, "solvers"),
-    "solvers.export": (*_FACTS, "solvers", "solvers.one_leg", "solvers.global_minlp"),
+    "solvers.export": (
+        *(*_FACTS, "solvers", "solvers.one_leg", "solvers.global_minlp"),
+        "solvers.nlp_engines",
+    ),
     "experiments.isolation.floor": (
         *(*_FACTS, "solvers", "solvers.one_leg", "solvers.paper_nlp", "solvers.convex"),
         *("solvers.minlp_engines", "solvers.stochastic", "solvers.tour"),
@@ -109,7 +112,7 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
         *("study.*", "solvers", "asking", *_LEAVES),
         *("experiments.definition", "experiments.isolation", "experiments.plan"),
     ),
-    "experiments": ("study.*", "solvers", "asking", "experiments.*"),
+    "experiments": ("study.*", "solvers", "solvers.export", "asking", "experiments.*"),
     "conformance": ("study.*", "solvers", "asking", "experiments.isolation"),
     "report.data": ("study.*",),
     "report.statistics": ("study.*", "report.data"),

@@ -24,6 +24,7 @@ try:
         compare,
         experiments,
         export,
+        judge,
         merge,
         new,
         report,
@@ -79,6 +80,8 @@ dubins-study audit
 dubins-study audit kaya
 dubins-study export 10 5 --from 0 0 120deg --format mod
 dubins-study export 10 5 --model disjunctive --out model.nl
+dubins-study export my.toml --formulation paper --out set
+dubins-study judge set/instances.csv --suite my.toml --out judged
 """.splitlines()
 Quiet = Annotated[
     bool, typer.Option("--quiet", "-q", help="no progress on stderr: only warnings and refusals")
@@ -172,6 +175,7 @@ app = _group(
         compare.compare,
         audit.audit,
         export.export,
+        judge.judge,
         check_solver.check_solver,
     ],
 )

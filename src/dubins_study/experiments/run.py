@@ -12,6 +12,7 @@ from uuid import uuid4
 
 from threadpoolctl import threadpool_limits
 
+from dubins_study.experiments.definition.experiment import ExperimentFile
 from dubins_study.experiments.executors.executor import Executor, WorkUnit
 from dubins_study.experiments.executors.local import local_executor
 from dubins_study.experiments.interruption import Interruption
@@ -197,9 +198,28 @@ def _other_limits(manifest: Manifest, settings: RunSettings) -> Iterator[str]:
 
 def _new_manifest(plan: RunPlan, command: str) -> Manifest:
     """The manifest of a folder that holds only this experiment; its cells are not counted yet."""
-    file, experiment = plan.experiment_file, plan.experiment_file.experiment
-    solvers = {spec: describe_solver(spec, experiment.profile) for spec in plan.solver_specs}
+    profile = plan.experiment_file.experiment.profile
+    solvers = {spec: describe_solver(spec, profile) for spec in plan.solver_specs}
     packages = sorted({package for solver in solvers.values() for package in solver.packages})
+    entries = {
+        spec: SolverEntry(
+            settings=solver.settings,
+            code_digest=solver.code_digest,
+            packages=versions_of(solver.packages),
+        )
+        for spec, solver in solvers.items()
+    }
+    return new_manifest(plan.experiment_file, command, entries, tuple(packages))
+
+
+def new_manifest(
+    file: ExperimentFile,
+    command: str,
+    solvers: dict[str, SolverEntry],
+    packages: tuple[str, ...] = (),
+) -> Manifest:
+    """The manifest of a folder about an experiment, with the versions of some packages."""
+    experiment = file.experiment
     return Manifest(
         experiment=Definition(
             name=file.name,
@@ -211,15 +231,8 @@ def _new_manifest(plan: RunPlan, command: str) -> Manifest:
         gap_tolerance=tolerances(experiment.profile).gap,
         cells=0,
         matrix=matrix() if experiment.matrix else [],
-        solvers={
-            spec: SolverEntry(
-                settings=solver.settings,
-                code_digest=solver.code_digest,
-                packages=versions_of(solver.packages),
-            )
-            for spec, solver in solvers.items()
-        },
-        versions=versions(tuple(packages)),
+        solvers=solvers,
+        versions=versions(packages),
         machine=machine(),
         git=source(),
         created=now(),

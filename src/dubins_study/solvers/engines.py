@@ -6,6 +6,7 @@ Nothing is imported until it is asked.
 from __future__ import annotations
 
 import ctypes
+import shutil
 from collections.abc import Callable, Mapping
 from functools import cache, partial
 from pathlib import Path as FilePath
@@ -14,7 +15,14 @@ from types import MappingProxyType
 from typing import Any, ClassVar, NamedTuple
 
 from dubins_study.solvers.protocol import Method, Solver
-from dubins_study.solvers.setting_checks import OPTION_SETS, Options, missing_package
+from dubins_study.solvers.setting_checks import (
+    OPTION_SETS,
+    Keywords,
+    Options,
+    missing_package,
+    name_or_program,
+)
+from dubins_study.study.values import did_you_mean
 from dubins_study.study.words import (
     CONSTRAINTS,
     DERIVATIVE_FREE,
@@ -380,6 +388,35 @@ ENGINES = {
 }
 
 
+# By the beginning of an executable's name: what AMPL's users call its options. The time limit is
+# kept in any case: at its end the executable is ended.
+EXECUTABLES = {
+    "ipopt": Keywords(
+        Options(("tol", "constr_viol_tol"), ("tol", "dual_inf_tol", "compl_inf_tol"), "max_iter"),
+        seconds="max_cpu_time",
+    ),
+    "knitro": Keywords(
+        Options(("feastol", "feastol_abs"), ("opttol", "opttol_abs"), "maxit"),
+        gap="mip_opt_gap_rel",
+        seconds="maxtime_real",
+    ),
+    "uno": Keywords(
+        Options(("primal_tolerance",), ("dual_tolerance",), "max_iterations"),
+        seconds="time_limit",
+    ),
+    "baron": Keywords(gap="epsr", seconds="maxtime"),
+}
+
+
+def program_engine(name: str, kind: str) -> Engine:
+    """The line of an executable on PATH that AMPL calls."""
+    known = (each for begin, each in EXECUTABLES.items() if name.startswith(begin))
+    keywords = next(known, Keywords())
+    place = "nlp_engines.ampl:ampl_minlp" if kind == PROVEN else "nlp_engines.ampl:ampl_nlp"
+    arguments = {"executable": name, "names": keywords}
+    return Engine(name, kind, ("pyomo",), place, arguments, keywords.options)
+
+
 def names(*kinds: str) -> tuple[str, ...]:
     """The engines of some kinds, in the order of the table."""
     return tuple(name for name, engine in ENGINES.items() if engine.kind in kinds)
@@ -402,19 +439,41 @@ NLP_ENGINES = tuple(name for name in names(NLP) if ENGINES[name].place)
 MINLP_ENGINES = names(PROVEN)
 
 
+def engine_or_program(default: str, engines: tuple[str, ...]) -> Any:
+    """The setting `engine`: one of some engines, or an executable on PATH that reads NL files."""
+    return name_or_program(default, engines, taken=ENGINES)
+
+
 class EngineSolver(Solver):
-    """A solver whose setting `engine` is a name of the table, or of a plug-in's own."""
+    """A solver whose setting `engine` is a name of the table, or of a plug-in's own.
+
+    If it was declared by `engine_or_program`, it may be the name of an executable; `program_kind`
+    says as which kind of engine that is run.
+    """
 
     engine: str
     engines: ClassVar[Mapping[str, Engine]] = ENGINES
+    program_kind: ClassVar[str] = NLP
 
     @property
     def library(self) -> Engine:
         """The engine's line of the table."""
-        return self.engines[self.engine]
+        return self.engines.get(self.engine) or program_engine(self.engine, self.program_kind)
+
+    @property
+    def runs(self) -> str | None:
+        return None if self.engine in self.engines else self.engine
 
     def unavailable(self) -> str | None:
-        return self.library.unavailable()
+        # whether an executable is a solver is seen when it is run
+        if self.runs is None or shutil.which(self.runs):
+            return self.library.unavailable()
+        known = names(self.program_kind)
+        near = did_you_mean(self.engine, known)
+        return (
+            f"no executable {self.engine!r} on PATH, and no engine of that name; {near}there are: "
+            f"{', '.join(known)}"
+        )
 
     def library_versions(self) -> dict[str, str]:
         versions = self.library.versions

@@ -6,19 +6,27 @@ unit radius.
 
 from __future__ import annotations
 
+import tempfile
+from collections.abc import Callable
 from importlib.resources import files
 from io import StringIO
+from pathlib import Path as FilePath
 from typing import Any
 
 import numpy as np
 
 from dubins_study.errors import DubinsStudyError
 from dubins_study.solvers.course import body_course
+from dubins_study.solvers.highs import highs_holding, highs_rows
+from dubins_study.solvers.nlp_engines.expressions import mixed_program
+from dubins_study.solvers.nlp_engines.nl_file import nl_file, pyomo_model
 from dubins_study.solvers.one_leg.initial_guesses import initial_guesses
 from dubins_study.solvers.one_leg.model import case_of
-from dubins_study.solvers.protocol import Question
+from dubins_study.solvers.protocol import Question, Solution
+from dubins_study.solvers.registry import load
 from dubins_study.study.body_coordinates import local
 from dubins_study.study.scenario import Scenario
+from dubins_study.study.specs import name_of
 from dubins_study.study.values import did_you_mean
 
 MODELS = ("paper", "disjunctive")
@@ -52,7 +60,7 @@ def export(scenario: Scenario, model: str = "paper", format: str = "nl", order: 
 
         program = transformed(gdp_model(body_course(scenario)))
         title = "disjunctive model, unit radius, vehicle's frame"
-    return _nl(program, title) if format == "nl" else _gams(program, title)
+    return nl_file(program, title).text if format == "nl" else _gams(program, title)
 
 
 def _check(name: str, value: str, choices: tuple[str, ...]) -> None:
@@ -87,17 +95,6 @@ def _paper(scenario: Scenario, order: str) -> Any:
     return m
 
 
-def _nl(program: Any, title: str) -> str:
-    from pyomo.repn.plugins.nl_writer import NLWriter
-
-    stream = StringIO()
-    info = NLWriter().write(program, stream, linear_presolve=False)
-    names = [v.name.removesuffix(".binary_indicator_var") for v in info.variables]
-    # The rest of the first line is the only place for a comment that every reader leaves alone.
-    first, _, rest = stream.getvalue().partition("\n")
-    return f"{first.partition('#')[0]}# dubins-study: {title}; variables {' '.join(names)}\n{rest}"
-
-
 def _gams(program: Any, title: str) -> str:
     from pyomo.opt import WriterFactory
 
@@ -118,3 +115,90 @@ def _mod(scenario: Scenario, order: str) -> str:
         curvature="1 / R" if order == "LRS" else "-1 / R",
         z=_guess(scenario, order),
     )
+
+
+# The files of a question, by the ends of their names.
+Texts = dict[str, str]
+
+
+def texts_of(formulation: str) -> Callable[[Question], Texts]:
+    """What makes the files of a question in a formulation: `paper`, or the spec of a solver.
+
+    The function raises an `ExportError` of a question that the formulation cannot be asked.
+    """
+    _check("formulation", name_of(formulation), tuple(WRITERS))
+    write = WRITERS[name_of(formulation)]
+    if formulation == "paper":
+        return lambda question: write(None, question)
+    solver = load(formulation)
+
+    def texts(question: Question) -> Texts:
+        scenario, branch = question.scenario, question.branch
+        lacking = [need for need in scenario.needs if need not in solver.takes]
+        if branch not in solver.branches:
+            lacking.append(f"the branch {branch}")
+        if lacking:
+            raise ExportError(f"{formulation} does not take: {', '.join(lacking)}")
+        return write(solver, question)
+
+    return texts
+
+
+def _paper_texts(_: Any, question: Question) -> Texts:
+    if question.branch != "best":
+        raise ExportError(f"(4.12) is asked for the best path, not for {question.branch}")
+    return {f"-{order}.nl": export(question.scenario, order=order) for order in ORDERS["paper"]}
+
+
+def _route_texts(solver: Any, question: Question) -> Texts:
+    """All arcs of a route, from the first initial guess."""
+    model = solver.build(question)
+    program = pyomo_model(mixed_program(model.program), solver.first_guess(model))
+    title = f"{solver.name}, radii, from the start; of each leg its arcs and the heading after"
+    return {".nl": nl_file(program, title).text}
+
+
+def _disjunction_texts(solver: Any, question: Question) -> Texts:
+    model = solver.build(question)
+    if isinstance(model, Solution):
+        raise ExportError(model.message)
+    title = "disjunctive model, unit radius, vehicle's frame"
+    return {".nl": nl_file(model.pyomo, title).text}
+
+
+def _grid_texts(solver: Any, question: Question) -> Texts:
+    """A mixed-integer linear program; the columns of its arcs name places and headings (rad)."""
+    graph, program = solver.build(question)
+    if graph.places.count > 2 and getattr(solver, "model", "") == "cuts":
+        raise ExportError("tour-milp[model=cuts] adds rows while it runs; expected flow or mtz")
+    linear = highs_rows(*program)
+    ends = [f"p{place}h{h:.6f}" for place, h in zip(graph.owner, graph.headings, strict=True)]
+    arcs = zip(graph.tails.tolist(), graph.heads.tolist(), strict=True)
+    names = [f"{ends[tail]}_{ends[head]}" for tail, head in arcs]
+    linear.col_names_ = names + [f"y{i}" for i in range(program.cost.size - len(names))]
+    with tempfile.TemporaryDirectory() as folder:
+        file = FilePath(folder) / "model.mps"
+        highs_holding(linear, {}).writeModel(str(file))
+        return {".mps": file.read_text(encoding="utf-8")}
+
+
+def _convex_texts(_: Any, question: Question) -> Texts:
+    """A frozen convex problem as CBF, and one without cones as QPS."""
+    from dubins_study.study.convex.formats import cbf_text, qps_text
+    from dubins_study.study.convex.problem import posed
+
+    name = question.scenario.label
+    problem = posed(name)
+    quadratic = {} if problem.cones.size else {".qps": qps_text(problem, name)}
+    return {".cbf": cbf_text(problem)} | quadratic
+
+
+# By the formulation's name: what makes the files of a question.
+WRITERS: dict[str, Callable[[Any, Question], Texts]] = {
+    "paper": _paper_texts,
+    "route-nlp": _route_texts,
+    "disjunctive": _disjunction_texts,
+    "heading-milp": _grid_texts,
+    "tour-milp": _grid_texts,
+    "convex": _convex_texts,
+}

@@ -7,7 +7,7 @@ from typing import Any
 from scipy.sparse import csr_array
 
 from dubins_study.solvers.setting_checks import OptionValues
-from dubins_study.study.arrays import FloatArray
+from dubins_study.study.arrays import BoolArray, FloatArray
 
 
 def highs_rows(
@@ -17,8 +17,9 @@ def highs_rows(
     most: FloatArray,
     low: FloatArray,
     high: FloatArray,
+    whole: BoolArray | None = None,
 ) -> Any:
-    """min cost x subject to least <= rows x <= most and low <= x <= high."""
+    """min cost x subject to least <= rows x <= most and low <= x <= high, some x whole."""
     import highspy
 
     program = highspy.HighsLp()
@@ -34,11 +35,14 @@ def highs_rows(
     matrix.start_ = rows.indptr
     matrix.index_ = rows.indices
     matrix.value_ = rows.data
+    if whole is not None:
+        kind = highspy.HighsVarType
+        program.integrality_ = [kind.kInteger if one else kind.kContinuous for one in whole]
     return program
 
 
-def highs_run(program: Any, options: OptionValues) -> Any:
-    """The `highspy.Highs` that has solved a program, silently."""
+def highs_holding(program: Any, options: OptionValues) -> Any:
+    """A silent `highspy.Highs` that holds a program, and has not solved it."""
     import highspy
 
     solver = highspy.Highs()
@@ -46,5 +50,11 @@ def highs_run(program: Any, options: OptionValues) -> Any:
     for name, value in options.items():
         solver.setOptionValue(name, value)
     solver.passModel(program)
+    return solver
+
+
+def highs_run(program: Any, options: OptionValues) -> Any:
+    """The `highspy.Highs` that has solved a program, silently."""
+    solver = highs_holding(program, options)
     solver.run()
     return solver

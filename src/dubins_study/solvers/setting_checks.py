@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import importlib.util
 import math
+import re
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import field, fields
 from types import MappingProxyType
@@ -52,6 +53,23 @@ def one_of(default: str, choices: Collection[str]) -> Any:
     """A setting that is one of some texts."""
     expected = f"one of: {', '.join(choices)}"
     return _setting(default, lambda value: value in choices, expected, choices)
+
+
+# A path would let whoever writes an experiment choose the file that is run.
+_PROGRAM = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.-]*")
+
+
+def name_or_program(default: str, choices: Collection[str], taken: Collection[str]) -> Any:
+    """A setting that is one of some texts, or any other name of a program but those `taken`."""
+    expected = (
+        f"one of: {', '.join(choices)}, or the name of an executable on PATH: letters, digits, "
+        "'_', '.' and '-', no folders"
+    )
+
+    def known(value: str) -> bool:
+        return value in choices or (value not in taken and bool(_PROGRAM.fullmatch(value)))
+
+    return _setting(default, known, expected, choices)
 
 
 def positive(default: float) -> Any:
@@ -115,6 +133,19 @@ class Options(NamedTuple):
         if max_iter and self.iterations:
             values[self.iterations] = max_iter
         return values
+
+
+class Keywords(NamedTuple):
+    """What an executable calls its options; without a name it is asked for nothing."""
+
+    options: Options = Options()
+    gap: str = ""  # relative, of branch and bound
+    seconds: str = ""
+
+    def until(self, seconds: float) -> OptionValues:
+        """The time limit as an option, rounded down to milliseconds."""
+        limit = math.floor(1000 * seconds) / 1000
+        return {self.seconds: limit} if self.seconds and limit > 0 else {}
 
 
 def option_set() -> Any:

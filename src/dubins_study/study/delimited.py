@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import csv
-from collections.abc import Iterable
-from typing import NamedTuple
+from collections.abc import Iterable, Sequence
+from typing import Any, NamedTuple
+
+from dubins_study.study.values import did_you_mean, short
 
 _OPEN_QUOTE = "expected each row on a line of its own: is a quotation mark left open?"
 
@@ -44,3 +46,22 @@ def read_rows(lines: Iterable[str], delimiter: str = ",") -> Rows:
     except csv.Error as error:
         problems.append(f"line {line + 1}: {error}; {_OPEN_QUOTE}")
     return Rows(rows, problems)
+
+
+def column_problems(
+    names: Sequence[Any], required: Sequence[str], optional: Sequence[str]
+) -> list[str]:
+    """What is wrong with the names of the columns of a table, a sentence each."""
+    expected = f"expected the columns {', '.join(required)} and, if wanted, {', '.join(optional)}"
+    columns = (*required, *optional)
+    problems = []
+    if missing := [name for name in required if name not in names]:
+        several = "s" if len(missing) > 1 else ""
+        problems.append(f"missing column{several} {', '.join(map(repr, missing))}; {expected}")
+    for name in dict.fromkeys(names):
+        if name not in columns:
+            near = did_you_mean(name, [known for known in columns if known not in names])
+            problems.append(f"unknown column {short(name)}; {near}{expected}")
+        elif names.count(name) > 1:
+            problems.append(f"column {name!r} appears twice")
+    return problems

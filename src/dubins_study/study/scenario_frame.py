@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from dubins_study.study.angle import LARGEST_BARE
+from dubins_study.study.delimited import column_problems
 from dubins_study.study.scenario import (
     COLUMNS,
     DEFAULTS,
@@ -28,7 +29,7 @@ from dubins_study.study.scenario import (
     ScenarioError,
     checked_number,
 )
-from dubins_study.study.values import did_you_mean, number_of_text, short
+from dubins_study.study.values import number_of_text, short
 from dubins_study.study.words import Order
 
 if TYPE_CHECKING:
@@ -37,21 +38,10 @@ if TYPE_CHECKING:
     from dubins_study.study.arrays import FloatArray
 
 
-def column_problems(names: Sequence[Any]) -> list[str]:
+def scenario_column_problems(names: Sequence[Any]) -> list[str]:
     """What is wrong with the names of the columns of a table of scenarios, a sentence each."""
     required = [name for name in COLUMNS if name not in DEFAULTS and not {*TOUR} & {*names}]
-    expected = f"expected the columns {', '.join(required)} and, if wanted, {', '.join(DEFAULTS)}"
-    problems = []
-    if missing := [name for name in required if name not in names]:
-        several = "s" if len(missing) > 1 else ""
-        problems.append(f"missing column{several} {', '.join(map(repr, missing))}; {expected}")
-    for name in dict.fromkeys(names):
-        if name not in COLUMNS:
-            near = did_you_mean(name, [known for known in COLUMNS if known not in names])
-            problems.append(f"unknown column {short(name)}; {near}{expected}")
-        elif names.count(name) > 1:
-            problems.append(f"column {name!r} appears twice")
-    return problems
+    return column_problems(names, required, [name for name in COLUMNS if name not in required])
 
 
 def check_frame(frame: pd.DataFrame) -> pd.DataFrame:
@@ -70,7 +60,7 @@ def check_frame(frame: pd.DataFrame) -> pd.DataFrame:
     if not isinstance(frame, pd.DataFrame):
         raise ScenarioError(f"expected a DataFrame of scenarios, got {type(frame).__name__}")
     names = list(frame.columns)
-    if problems := column_problems([name for name in names if name != "via"]):
+    if problems := scenario_column_problems([name for name in names if name != "via"]):
         raise ScenarioError(problems[0])
     if "via" in names and {*VIA} & {*names}:
         raise ScenarioError(f"via points are given twice; expected via, or {', '.join(VIA)}")

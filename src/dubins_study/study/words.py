@@ -207,7 +207,9 @@ class Outcome(StrEnum):
     RAISED = "raised"
     OUT_OF_MEMORY = "out_of_memory"
     UNSUPPORTED = "unsupported"
-    NOT_ASKED = "not_asked"  # of a `rising` experiment: the solver failed on all shorter routes
+    # of a `rising` experiment: the solver failed on all shorter routes; of a file of answers: it
+    # has none
+    NOT_ASKED = "not_asked"
     UNAVAILABLE = "unavailable"
 
 

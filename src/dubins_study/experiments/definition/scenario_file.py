@@ -15,7 +15,7 @@ from dubins_study.experiments.definition.table_file import (
     read_table,
 )
 from dubins_study.study.scenario import COLUMNS, DEFAULTS, TOUR, VIA, Scenario, ScenarioError
-from dubins_study.study.scenario_frame import column_problems, scenario_of
+from dubins_study.study.scenario_frame import scenario_column_problems, scenario_of
 from dubins_study.study.units import doubtful_units
 from dubins_study.study.values import nearest, number_of_text, plain, short
 
@@ -67,7 +67,7 @@ def _check_columns(file: str, table: Table) -> list[str]:
     names = table.names
     missing = [name for name in COLUMNS if name not in names]
     others = [name for name in names if not (name in COLUMNS or nearest(name, missing))]
-    sentences = column_problems([name for name in names if name not in others])
+    sentences = scenario_column_problems([name for name in names if name not in others])
     if len(names) == 1 and ";" in names[0]:
         sentences = ["the columns are separated by semicolons; expected commas"]
     _refuse(file, sentences)

@@ -9,7 +9,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from dubins_study.asking.attempt import QuestionError, check_branch
 from dubins_study.experiments.definition.experiment import (
     Experiment,
     ExperimentError,
@@ -17,7 +16,8 @@ from dubins_study.experiments.definition.experiment import (
 )
 from dubins_study.experiments.definition.messages import KeyPath, Problem, refusal
 from dubins_study.experiments.definition.scenario_block import Block
-from dubins_study.experiments.plan.scenarios import block_size, scenario_id, scenarios
+from dubins_study.experiments.plan.questions import asked_scenarios
+from dubins_study.experiments.plan.scenarios import block_size, scenario_id
 from dubins_study.experiments.plan.solver_description import (
     SolverDescription,
     describe_solver,
@@ -175,13 +175,7 @@ def _block_chains(plan: BlockPlan, profile: str) -> Iterator[Chain]:
     solvers = [solver for solver in plan.solvers if plan.guess_count(solver)]
     if not solvers:
         return
-    block_scenarios = list(scenarios(plan.block, plan.key))
-    for place, scenario in enumerate(block_scenarios):
-        for branch in plan.branches:
-            try:
-                check_branch(scenario, branch)
-            except QuestionError as error:
-                raise ExperimentError(f"{plan.key}, scenario {place}: {error}") from None
+    block_scenarios = asked_scenarios(plan.block, plan.key, plan.branches)
     ids = [scenario_id(scenario) for scenario in block_scenarios]
     for solver in solvers:
         guesses = [" ".join(map(str, each)) for each in product(*plan.guess_axes(solver))]

@@ -14,7 +14,13 @@ import numpy as np
 
 from dubins_study.solvers.arcs import RATES, Elements, close_enough, closed
 from dubins_study.solvers.course import Course, body_course, path_of
-from dubins_study.solvers.engines import MINLP_ENGINES, EngineSolver, others, packages
+from dubins_study.solvers.engines import (
+    MINLP_ENGINES,
+    EngineSolver,
+    engine_or_program,
+    others,
+    packages,
+)
 from dubins_study.solvers.global_minlp.gdp_model import (
     TRANSFORMATIONS,
     Translated,
@@ -33,7 +39,7 @@ from dubins_study.solvers.runs import Run, at_start, summed
 from dubins_study.solvers.setting_checks import one_of, within
 from dubins_study.study.arrays import FloatArray
 from dubins_study.study.path import Path
-from dubins_study.study.words import CLOSED, FREE_ORDER, IN_ORDER, TURN, Claim, Order
+from dubins_study.study.words import CLOSED, FREE_ORDER, IN_ORDER, PROVEN, TURN, Claim, Order
 
 # The engine leaves this share of the gap for its tolerance on constraints, which counts as well.
 _SHARE = 0.1
@@ -89,7 +95,8 @@ class Disjunctive(EngineSolver):
     """One disjunct for each word of each leg, proven by an engine's branch and bound.
 
     Args:
-        engine: `scip` or `maingo`.
+        engine: `scip`, `maingo`, or the name of an executable on PATH that reads NL files; such a
+            one tells no bound, so that its answers are not called optimal.
         transformation: of the disjunctions into linear constraints: `bigm` or `hull`.
         quadrants: whether sines and cosines are of a quarter turn at most; without, they are of
             arcs up to 2 pi: the obvious model.
@@ -109,7 +116,7 @@ class Disjunctive(EngineSolver):
     `lower_bound` is a bound for the branch that is asked, the engine's less its tolerance.
     """
 
-    engine: str = one_of("scip", MINLP_ENGINES)
+    engine: str = engine_or_program("scip", MINLP_ENGINES)
     transformation: str = one_of("bigm", TRANSFORMATIONS)
     quadrants: bool = True
     # what is closed to no more than a hundredth proves nothing
@@ -120,6 +127,7 @@ class Disjunctive(EngineSolver):
     presolve: bool = False
 
     name = "disjunctive"
+    program_kind = PROVEN
     guarantee = Guarantee.GLOBAL
     branches = ("best", *WORDS)
     takes = IN_ORDER | {FREE_ORDER, CLOSED}
@@ -134,7 +142,7 @@ class Disjunctive(EngineSolver):
     @property
     def method(self) -> Method:
         # the bound is lowered by up to twice the tolerance
-        proves = max(self.gap, 2 * self.feastol)
+        proves = None if self.runs else max(self.gap, 2 * self.feastol)
         return Method("disjunction", self.library.label, "none", self.feastol, proves)
 
     def build(self, question: Question) -> PosedDisjunction | Solution:

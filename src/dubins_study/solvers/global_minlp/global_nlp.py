@@ -6,24 +6,20 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 from time import perf_counter
-from typing import Any, ClassVar, NamedTuple
+from typing import ClassVar, NamedTuple
 
 import numpy as np
 
 from dubins_study.solvers.engines import MINLP_ENGINES, EngineSolver, others, packages
 from dubins_study.solvers.minlp_engines.mixed_program import (
-    Functions,
     MinlpCall,
     MixedProgram,
-    Row,
     Settings,
-    Written,
 )
-from dubins_study.solvers.nlp_engines.expressions import algebra_text
+from dubins_study.solvers.nlp_engines.expressions import mixed_program
 from dubins_study.solvers.nlp_engines.program import Expressions, Program
 from dubins_study.solvers.one_leg.model import (
     MODELS,
@@ -178,17 +174,7 @@ def _program(case: Case, lifted: bool) -> MixedProgram:
         turn = (-TWO_PI, TWO_PI)
         bounds = np.append(posed.lower, turn[0]), np.append(posed.upper, turn[1])
         posed = Program(_with_heading(), posed.p, *bounds)
-
-    text = algebra_text(posed)
-
-    def write(x: Sequence[Any], interface: Any) -> Written:
-        functions = Functions(interface)
-        # the model's own text, evaluated with the engine's variables x[1], x[2], ...
-        names = {"x": [None, *x], "sin": functions.sin, "cos": functions.cos}
-        rows = [Row(eval(side, names)) for side in text.equations]
-        return Written(eval(text.objective, names), rows)
-
-    return MixedProgram(posed.lower, posed.upper, np.zeros(posed.lower.size, np.bool_), write)
+    return mixed_program(posed)
 
 
 @cache

@@ -1,13 +1,18 @@
-"""A program's casadi expressions as text in APMonitor's language.
+"""A program's casadi expressions as text in APMonitor's language, or in another interface's.
 
-casadi keeps a function of its SX symbols as a list of instructions; each is one operation's text.
+casadi keeps a function of its SX symbols as a list of instructions; each is one operation.
 """
 
 from __future__ import annotations
 
+import operator
+from collections.abc import Callable, Sequence
 from functools import cache
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
+import numpy as np
+
+from dubins_study.solvers.minlp_engines.mixed_program import Functions, MixedProgram, Row, Written
 from dubins_study.solvers.nlp_engines.program import Program
 
 # By casadi's name of an operation; powers have spaces nowhere, and brackets around both parts.
@@ -31,10 +36,7 @@ _LONGEST = 2000  # characters; lines may have 15000
 
 
 class AlgebraText(NamedTuple):
-    """A program as text; an intermediate is a name and an expression of those before it.
-
-    With `**` for `^` the text is Python's too.
-    """
+    """A program as text; an intermediate is a name and an expression of those before it."""
 
     variables: list[str]
     objective: str
@@ -47,38 +49,87 @@ def algebra_text(program: Program) -> AlgebraText:
 
     An operation that the language lacks, such as OP_FLOOR, is a KeyError.
     """
+    variables = [f"x[{i + 1}]" for i in range(program.lower.size)]
+    intermediates: list[tuple[str, str]] = []
+
+    def short(text: str) -> str:
+        if len(text) <= _LONGEST:
+            return text
+        intermediates.append((f"i{len(intermediates) + 1}", text))
+        return intermediates[-1][0]
+
+    def constant(value: float) -> str:
+        return f"({value!r})"  # to the last digit
+
+    def operation(name: str, *parts: str) -> str:
+        return short(_TEXTS[name].format(*parts))
+
+    objective, equations = _evaluated(program, variables, constant, operation)
+    return AlgebraText(variables, objective, equations, intermediates)
+
+
+# By casadi's name of an operation; any other is a function of one argument.
+_OPERATORS: dict[str, Callable[..., Any]] = {
+    "OP_ASSIGN": lambda a: a,
+    "OP_ADD": operator.add,
+    "OP_SUB": operator.sub,
+    "OP_MUL": operator.mul,
+    "OP_DIV": operator.truediv,
+    "OP_NEG": operator.neg,
+    "OP_SQ": lambda a: a * a,
+    "OP_TWICE": lambda a: 2.0 * a,
+    "OP_INV": lambda a: 1.0 / a,
+    "OP_POW": operator.pow,
+    "OP_CONSTPOW": operator.pow,
+}
+
+
+def mixed_program(program: Program) -> MixedProgram:
+    """The same program as the interfaces of engines write it, its variables all continuous."""
+
+    def write(x: Sequence[Any], interface: Any) -> Written:
+        functions = Functions(interface)
+
+        def operation(name: str, *parts: Any) -> Any:
+            apply = _OPERATORS.get(name) or getattr(functions, name[3:].lower())
+            return apply(*parts)
+
+        objective, equations = _evaluated(program, list(x), float, operation)
+        return Written(objective, [Row(side) for side in equations])
+
+    return MixedProgram(program.lower, program.upper, np.zeros(program.lower.size, bool), write)
+
+
+def _evaluated(
+    program: Program,
+    variables: list[Any],
+    constant: Callable[[float], Any],
+    operation: Callable[..., Any],
+) -> tuple[Any, list[Any]]:
+    """The objective and the sides of the equations, each operation made by `operation`."""
     import casadi
 
     posed = program.expressions
     sides = [casadi.densify(posed.f), casadi.densify(posed.g)]
     function = casadi.Function("sides", [posed.x, posed.p], sides)
     names = _operation_names()
-    variables = [f"x[{i + 1}]" for i in range(program.lower.size)]
-    parameters = [f"({value!r})" for value in program.p.tolist()]  # to the last digit
-    inputs = variables, parameters
-    intermediates: list[tuple[str, str]] = []
-    work = [""] * function.sz_w()
-    objective = [""]
-    equations = [""] * function.numel_out(1)
-    outputs = objective, equations
+    inputs = variables, [constant(value) for value in program.p.tolist()]
+    work: list[Any] = [None] * function.sz_w()
+    outputs: tuple[list[Any], list[Any]] = [None], [None] * function.numel_out(1)
     for k in range(function.n_instructions()):
-        operation = names[function.instruction_id(k)]
+        name = names[function.instruction_id(k)]
         source = function.instruction_input(k)
         place = function.instruction_output(k)
-        if operation == "OP_OUTPUT":
+        if name == "OP_OUTPUT":
             outputs[place[0]][place[1]] = work[source[0]]
-            continue
-        if operation == "OP_CONST":
-            text = f"({function.instruction_constant(k)!r})"
-        elif operation == "OP_INPUT":
-            text = inputs[source[0]][source[1]]
+        elif name == "OP_CONST":
+            work[place[0]] = constant(function.instruction_constant(k))
+        elif name == "OP_INPUT":
+            work[place[0]] = inputs[source[0]][source[1]]
         else:
-            text = _TEXTS[operation].format(*(work[i] for i in source))
-        if len(text) > _LONGEST:
-            intermediates.append((f"i{len(intermediates) + 1}", text))
-            text = intermediates[-1][0]
-        work[place[0]] = text
-    return AlgebraText(variables, objective[0], equations, intermediates)
+            work[place[0]] = operation(name, *(work[i] for i in source))
+    [objective], equations = outputs
+    return objective, equations
 
 
 @cache

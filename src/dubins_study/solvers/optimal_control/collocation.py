@@ -15,7 +15,7 @@ import numpy as np
 
 from dubins_study.solvers.arcs import Elements, Rates, most_turn
 from dubins_study.solvers.course import Course
-from dubins_study.solvers.engines import ENGINES
+from dubins_study.solvers.engines import ENGINES, program_engine
 from dubins_study.solvers.nlp_engines.pyomo_program import Ask, PyomoProgram, asked
 from dubins_study.solvers.optimal_control.transcription import (
     Guess,
@@ -25,6 +25,7 @@ from dubins_study.solvers.optimal_control.transcription import (
 )
 from dubins_study.solvers.setting_checks import whole
 from dubins_study.study.arrays import FloatArray
+from dubins_study.study.words import NLP
 
 
 class Collocated(NamedTuple):
@@ -45,7 +46,8 @@ def template(shape: Shape, engine: str, tol: float, max_iter: int, options: str)
     unknowns = [*controls, *(state[tau] for state in states for tau in times)]
     end = [model.passes[2 * shape.legs - 2], model.passes[2 * shape.legs - 1]]
     program = PyomoProgram(model, unknowns, list(model.data.values()), end)
-    call = ENGINES[engine].load()(tol, max_iter, options)
+    library = ENGINES.get(engine) or program_engine(engine, NLP)
+    call = library.load()(tol, max_iter, options)
     ask = asked(program, call, native=engine == "ipopt")
     # not from the points' labels in the model, which Pyomo rounds
     fraction = np.array(model.tau.get_discretization_info()["tau_points"][1:])

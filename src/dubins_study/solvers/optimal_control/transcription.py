@@ -22,7 +22,7 @@ from dubins_study.solvers.arcs import (
     miss,
 )
 from dubins_study.solvers.course import Course, body_course, coordinate_rounding, in_world
-from dubins_study.solvers.engines import NLP_ENGINES, EngineSolver
+from dubins_study.solvers.engines import NLP_ENGINES, EngineSolver, engine_or_program
 from dubins_study.solvers.one_leg.initial_guesses import INITIAL_GUESSES, bearing_guesses
 from dubins_study.solvers.one_leg.model import case_of
 from dubins_study.solvers.one_leg.polish import one_sided_only
@@ -190,14 +190,15 @@ class NlpTranscription(Transcription):
     """A transcription into one nonlinear program; other settings: `Transcription`.
 
     Args:
-        engine: a name in `solvers.engines` of the kind `local NLP`.
+        engine: a name in `solvers.engines` of the kind `local NLP`, or the name of an executable
+            on PATH that reads NL files.
         mesh: `free` elements, whose lengths are variables, so that a switch falls between two of
             them and the gap is the engine's tolerance; or `equal` ones, whose gap falls like
             1 / n^2.
         options, tol, max_iter: as those of `nlp`.
     """
 
-    engine: str = one_of("ipopt", NLP_ENGINES)
+    engine: str = engine_or_program("ipopt", NLP_ENGINES)
     mesh: str = one_of("free", ("free", "equal"))
     options: str = option_set()
     tol: float = tolerance()

@@ -19,6 +19,7 @@ from dubins_study.solvers.arcs import (
     step_shares,
 )
 from dubins_study.solvers.course import Course, heading_gap
+from dubins_study.solvers.engines import NLP_ENGINES
 from dubins_study.solvers.nlp_engines.program import Expressions, NlpCall, Program
 from dubins_study.solvers.optimal_control.transcription import (
     Guess,
@@ -42,10 +43,13 @@ class TurnRates(NlpTranscription):
     turn by more than half a circle get a smaller bound.
 
     Args:
+        engine: a name in `solvers.engines` of the kind `local NLP`; no executable, since the files
+            of a program whose equations hold all steps take longer to write than to solve.
         mesh: `equal` steps, or `graded` ones (`arcs.step_shares`).
     """
 
     n: int = whole(50, 3, 1000)
+    engine: str = one_of("ipopt", NLP_ENGINES)
     mesh: str = one_of("equal", SHARINGS)
 
     name = "turn-rates"

@@ -2,13 +2,11 @@
 
 `slsqp` names its settings as SciPy does; `ipopt` reads the model in Pyomo, as the paper's authors
 solved it. An executable is looked up on PATH by its name and run as AMPL runs it
-(`paper_nlp.pyomo_model.solve_by_ampl`).
+(`nlp_engines.ampl`).
 """
 
 from __future__ import annotations
 
-import re
-import shutil
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import partial
@@ -17,8 +15,8 @@ from typing import ClassVar, NamedTuple
 from dubins_study.solvers.engines import (
     APART,
     NLP_ENGINES,
-    Engine,
     EngineSolver,
+    engine_or_program,
     names,
     others,
     packages,
@@ -37,7 +35,6 @@ from dubins_study.solvers.one_leg.search import searched
 from dubins_study.solvers.paper_nlp.case_program import Solve, measured, solve
 from dubins_study.solvers.paper_nlp.pyomo_model import (
     ipopt_in_pyomo,
-    solve_by_ampl,
     solve_in_pyomo,
 )
 from dubins_study.solvers.protocol import Method, Question, Solution
@@ -51,7 +48,6 @@ from dubins_study.solvers.setting_checks import (
     within,
 )
 from dubins_study.study.arrays import FloatArray
-from dubins_study.study.values import did_you_mean
 from dubins_study.study.words import BRANCHES, NLP
 
 
@@ -186,8 +182,6 @@ class Ipopt(PaperNlp):
         return measured(ipopt_in_pyomo(tuple(chosen.items()), self.units))
 
 
-# A path would let whoever writes an experiment choose the file that is run.
-_EXECUTABLE = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.-]*")
 _KNITRO = "knitro"
 # The fastest engine that finds all 96 targets of benchmark-leg with the guesses of `bearing`.
 _DEFAULT = "ipopt"
@@ -203,7 +197,7 @@ class _Named(EngineSolver):
             PATH that reads NL files.
     """
 
-    engine: str = _DEFAULT
+    engine: str = engine_or_program(_DEFAULT, _ENGINES)
 
 
 @dataclass(frozen=True)
@@ -212,8 +206,7 @@ class Nlp(PaperNlp, _Named):
 
     Args:
         options: whose choice the options of an engine of the table are, `equal`, `default` or
-            `tuned` (docs/engines.md); KNITRO and executables run with their defaults, as in the
-            paper.
+            `tuned` (docs/engines.md); KNITRO runs with its defaults, as in the paper.
         tol: the feasibility, and with most engines the optimality, that is asked for; 0 for that of
             `options`.
         max_iter: largest number of iterations; 0 for that of `options`.
@@ -228,33 +221,7 @@ class Nlp(PaperNlp, _Named):
     summary = "the paper's model (4.12) by any NLP engine or AMPL solver"
     variants = others("nlp", _ENGINES, *APART)
 
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        if not _EXECUTABLE.fullmatch(self.engine):
-            raise ValueError(
-                f"engine is {self.engine!r}; expected one of {', '.join(_ENGINES)}, or "
-                "the name of an executable on PATH: letters, digits, '_', '.' and '-', no folders"
-            )
-
-    @property
-    def runs(self) -> str | None:
-        """The program on PATH that is started, if any."""
-        return None if self.engine in _ENGINES else self.engine
-
-    @property
-    def library(self) -> Engine:
-        return Engine(self.runs, NLP, ()) if self.runs else super().library
-
-    def unavailable(self) -> str | None:
-        # whether an executable is a solver is seen when it is run
-        if self.runs is None or shutil.which(self.runs):
-            return super().unavailable()
-        engines = f"{did_you_mean(self.engine, _ENGINES)}there are: {', '.join(NLP_ENGINES)}"
-        return f"no executable {self.engine!r} on PATH, and no engine of that name; {engines}"
-
     def adapter(self) -> Solve:
-        if self.runs:
-            return measured(partial(solve_by_ampl, executable=self.runs))
         if self.engine == _KNITRO:
             return measured(partial(solve_in_pyomo, interface="knitro_direct"))
         return super().adapter()

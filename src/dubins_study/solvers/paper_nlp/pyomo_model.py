@@ -1,16 +1,9 @@
-"""Cases of the paper's model (4.12) in Pyomo: for Ipopt, for KNITRO, and for what AMPL calls."""
+"""Cases of the paper's model (4.12) in Pyomo: for Ipopt and for KNITRO."""
 
 from __future__ import annotations
 
 import math
-import os
-import shutil
-import signal
-import subprocess
-import tempfile
-from contextlib import suppress
 from functools import cache, lru_cache
-from pathlib import Path as FilePath
 from typing import Any
 
 import numpy as np
@@ -158,71 +151,3 @@ def _ended(
     except (PyomoException, NotImplementedError, LookupError):
         duals = None
     return EngineResult(z, claim, duals, iterations, status=status, message=message)
-
-
-_STUB = "model"
-
-
-def solve_by_ampl(case: Case, guess: FloatArray, seconds: float, executable: str) -> EngineResult:
-    """The point that an executable on PATH reaches from `guess`, shape (3,).
-
-    It is run as AMPL runs it: `solver stub -AMPL` reads stub.nl and writes stub.sol, in a folder of
-    its own, with nothing on its input, and a time limit that ends it and whatever it started.
-    Nothing but the file that it leaves is read.
-    """
-    from pyomo.common.errors import PyomoException
-    from pyomo.contrib.solver.solvers.asl_sol_reader import (
-        ASLSolFileSolutionLoader,
-        parse_asl_sol_file,
-    )
-    from pyomo.repn.plugins.nl_writer import NLWriter
-
-    model = posed(case, guess)
-    with tempfile.TemporaryDirectory() as name:
-        folder = FilePath(name)
-        with (folder / f"{_STUB}.nl").open("w") as stream:
-            info = NLWriter().write(model, stream, linear_presolve=False)
-        code = _run(executable, folder, seconds)
-        file = folder / f"{_STUB}.sol"
-        if code is None:
-            return no_point(3, Claim.LIMIT, "time limit", f"{executable} was stopped")
-        status = f"exit code {code}"
-        if not file.is_file():
-            lacking = f"{executable} wrote no .sol file; expected a solver that AMPL can call"
-            return no_point(3, Claim.FAILED, status, lacking)
-        try:
-            with file.open(errors="replace") as stream:
-                solution = parse_asl_sol_file(stream)
-        except (PyomoException, ValueError, LookupError, AssertionError) as error:
-            message = f"{executable}'s .sol file: {type(error).__name__}: {error}"
-            return no_point(3, Claim.FAILED, status, message)
-    code = solution.solve_code
-    return _ended(
-        model,
-        ASLSolFileSolutionLoader(solution, info, model),
-        claim_of("ampl", str(code // 100)),
-        status=f"solve_result_num {code}",
-        message=" ".join(solution.message.split()),
-    )
-
-
-def _run(executable: str, folder: FilePath, seconds: float) -> int | None:
-    """The exit code of `executable model -AMPL`, or None if it did not end in time."""
-    path = shutil.which(executable)
-    assert path is not None  # or the solver is unavailable
-    process = subprocess.Popen(
-        [FilePath(path).absolute(), _STUB, "-AMPL"],
-        cwd=folder,
-        stdin=subprocess.DEVNULL,
-        stdout=subprocess.DEVNULL,
-        stderr=subprocess.DEVNULL,
-        start_new_session=True,  # so that its children can be ended with it
-    )
-    try:
-        return process.wait(max(seconds, 0.0))
-    except subprocess.TimeoutExpired:
-        return None
-    finally:
-        with suppress(ProcessLookupError):  # it and its children may have ended already
-            os.killpg(process.pid, signal.SIGKILL)
-        process.wait()

@@ -18,7 +18,13 @@ from typing import Any, ClassVar, NamedTuple
 import numpy as np
 
 from dubins_study.solvers.course import heading_gap, path_of
-from dubins_study.solvers.engines import NLP_ENGINES, EngineSolver, others, packages
+from dubins_study.solvers.engines import (
+    NLP_ENGINES,
+    EngineSolver,
+    engine_or_program,
+    others,
+    packages,
+)
 from dubins_study.solvers.legs import Route, route_of
 from dubins_study.solvers.nlp_engines.program import (
     Expressions,
@@ -75,7 +81,8 @@ class RouteNlp(EngineSolver):
     """All arcs of a route at once, by an NLP engine.
 
     Args:
-        engine: a name in `solvers.engines` of an engine that reads any program.
+        engine: a name in `solvers.engines` of an engine that reads any program, or the name of an
+            executable on PATH that reads NL files.
         model: `joint` leaves all five arcs of a leg open; `words` those of one word, which a
             dynamic program over a grid of headings finds beforehand, with the closed form of a leg.
         headings: of that grid, at each point.
@@ -90,7 +97,7 @@ class RouteNlp(EngineSolver):
         options, tol, max_iter: as those of `nlp`.
     """
 
-    engine: str = one_of("ipopt", NLP_ENGINES)
+    engine: str = engine_or_program("ipopt", NLP_ENGINES)
     model: str = one_of("joint", ("joint", "words"))
     headings: int = whole(24, 4, 1000)
     initial_guess: str = one_of("bearing", _GUESSES)
@@ -145,6 +152,10 @@ class RouteNlp(EngineSolver):
         enough = self.initial_guess == "bearing"  # of the others every guess is tried
         attempts = Attempts(guesses, timed(self.model, solve, length), lambda _: enough)
         return _answer(model, tried([attempts], perf_counter() + limit))
+
+    def first_guess(self, model: PosedRoute) -> FloatArray:
+        """The first initial guess, a point of the question's own program."""
+        return _kept(next(self._guesses(model)), model.places)
 
     def _guesses(self, model: PosedRoute) -> Iterator[FloatArray]:
         """Points x of the joint program, shape (6 n,)."""

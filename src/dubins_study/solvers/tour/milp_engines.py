@@ -51,12 +51,7 @@ def _highs(program: LinearProgram, settings: Settings, seconds: float) -> Proven
         "mip_feasibility_tolerance": settings.feastol,
         "primal_feasibility_tolerance": settings.feastol,
     }
-    kind = highspy.HighsVarType
-    model = highs_rows(
-        program.cost, program.rows, program.least, program.most, program.low, program.high
-    )
-    model.integrality_ = [kind.kInteger if one else kind.kContinuous for one in program.whole]
-    solver = highs_run(model, options)
+    solver = highs_run(highs_rows(*program), options)
     info = solver.getInfo()
     status = solver.getModelStatus().name
     found = info.primal_solution_status == highspy.SolutionStatus.kSolutionStatusFeasible

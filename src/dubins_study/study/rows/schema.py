@@ -288,7 +288,7 @@ RUN = (
     Column("limit_s", "time limit; null in older rows: the manifest's", *_SECONDS, plotted=True),
     Column("floor_s", "of the engine, called once on a trivial problem", "float64", "s"),
     Column("memory_mib", "most that the solve added to its process' memory", "float64", "MiB"),
-    Column("executor", "local or dask: what ran the cells", detail=True),
+    Column("executor", "local or dask: what ran the cells; file: answers of a file", detail=True),
     Column("run_id", "which run wrote the row", manifest=True),
     Column("started", "when the attempt started, ISO 8601", "string", "UTC", detail=True),
 )

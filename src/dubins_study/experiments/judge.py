@@ -1,0 +1,263 @@
+"""Judge the answers that another program wrote into a file, and keep them as a results folder."""
+
+from __future__ import annotations
+
+import hashlib
+import shlex
+from collections import Counter
+from itertools import chain
+from pathlib import Path as FilePath
+from typing import TYPE_CHECKING, Annotated, Any
+from uuid import uuid4
+
+from pydantic import BeforeValidator, Field, TypeAdapter, ValidationError
+
+from dubins_study.asking.reply import Reply, no_answer
+from dubins_study.errors import DubinsStudyError
+from dubins_study.experiments.definition.axes import StrictModel
+from dubins_study.experiments.definition.experiment import read
+from dubins_study.experiments.definition.messages import Problem, problems_of, refusal
+from dubins_study.experiments.definition.table_file import (
+    Table,
+    TableRow,
+    note_passed_over,
+    read_table,
+)
+from dubins_study.experiments.executors.local import row_of
+from dubins_study.experiments.plan.cells import Cell
+from dubins_study.experiments.plan.questions import Asked, questions
+from dubins_study.experiments.plan.run_plan import RunSettings
+from dubins_study.experiments.plan.scenarios import scenario_id
+from dubins_study.experiments.run import new_manifest
+from dubins_study.experiments.store.folder import compact, done, locked, open_folder, prepare_folder
+from dubins_study.experiments.store.manifest_changes import RunRecord, count_cells
+from dubins_study.experiments.store.part_writer import PartWriter, Progress
+from dubins_study.solvers.protocol import MAX_ARCS, Method, Question, Solution
+from dubins_study.solvers.registry import registered
+from dubins_study.study.delimited import column_problems
+from dubins_study.study.kinds.table import pathless_kind_of, prepare
+from dubins_study.study.path import Path
+from dubins_study.study.rows.manifest import Manifest, RunEntry, SolverEntry
+from dubins_study.study.rows.parts import Row, os_errors_as, row_key
+from dubins_study.study.rows.schema import Times
+from dubins_study.study.scenario import Pose
+from dubins_study.study.values import did_you_mean, nearest, plain, short
+from dubins_study.study.words import Claim, Outcome
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+_REQUIRED = ("id", "curvatures", "lengths")
+_MACHINE = "not known: the program told its seconds"  # so that no time is ranked
+_Finite = Annotated[float, Field(allow_inf_nan=False)]
+_Numbers = Annotated[
+    list[_Finite],
+    Field(max_length=MAX_ARCS),
+    BeforeValidator(lambda value: value.split() if isinstance(value, str) else value),
+]
+
+
+class AnswersError(DubinsStudyError, ValueError):
+    """A file of answers that cannot be judged; names file, line, column and what was expected."""
+
+
+class Given(StrictModel):
+    """An answer as a file has it; lengths in the scenario's unit."""
+
+    id: str
+    curvatures: _Numbers | None = None
+    lengths: _Numbers | None = None
+    claim: Claim = Claim.NONE
+    bound: _Finite | None = None
+    seconds: Annotated[_Finite, Field(ge=0)] | None = None
+    start_heading: _Finite | None = None  # rad, where the scenario's is free
+    # it stands where specs of solvers do, and must not read as one with settings
+    method: Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9 _.+-]{0,59}$")]
+
+    @property
+    def key(self) -> tuple[str, str]:
+        """Question and program."""
+        return self.id, self.method
+
+
+COLUMNS = tuple(Given.model_fields)
+_UNANSWERED = no_answer(Outcome.NOT_ASKED, "the file has no answer")._replace(versions="{}")
+
+
+def judge_answers(
+    file: str | FilePath,
+    suite: str = "benchmark-route",
+    *,
+    out: str | FilePath | None = None,
+    progress: Progress | None = None,
+) -> pd.DataFrame:
+    """Judge the answers of a file to the questions of an experiment, by their controls alone.
+
+    A question without an answer has a row too, with the outcome `not_asked`: it stays in every
+    share.
+
+    Args:
+        file: a .csv file with the columns `COLUMNS`, lists with spaces between the numbers, or a
+            .json file with a list of objects. No curvatures and lengths: no path was found.
+        suite: the name or path of the experiment whose questions were answered.
+        out: a results folder for the rows, new or of the same experiment; None for none.
+        progress: called with the number of rows judged and the number of all rows.
+
+    Returns:
+        A row for each question and method, with `id` and the columns of `study.rows.schema`.
+
+    Raises:
+        AnswersError: naming each mistake's line and column, its value and what was expected.
+        ExperimentError, ResultsError: if the experiment or the folder is not valid.
+    """
+    import pandas as pd
+
+    experiment_file = read(suite)
+    every = questions(experiment_file.experiment)
+    asked = {id_: q for id_, q in every.items() if pathless_kind_of(q.branch) is None}
+    if not asked:
+        raise AnswersError(f"{suite} asks for points of convex problems; expected one of paths")
+    answers = read_answers(FilePath(file), asked)
+    # other answers of the same method make its earlier rows stale
+    digest = hashlib.sha256(FilePath(file).read_bytes()).hexdigest()[:12]
+    methods = list(dict.fromkeys(method for _, method in answers))
+    profile = experiment_file.experiment.profile
+    settings = RunSettings(uuid4().hex[:12], experiment_file.experiment.time_limit_s)
+    settings = settings._replace(executor="file")
+    rows: list[Row] = []
+    for method in methods:
+        for id_, question in asked.items():
+            cell = _cell(method, profile, digest, question)
+            reply = answers.get((id_, method), _UNANSWERED)
+            rows.append({"id": id_} | _row(cell, reply, settings))
+            if progress is not None:
+                progress(len(rows), len(asked) * len(methods))
+    if out is not None:
+        command = ["dubins-study", "judge", str(file), "--suite", str(suite)]
+        stored = [{name: row[name] for name in row if name != "id"} for row in rows]
+        entries = {method: SolverEntry(code_digest=digest) for method in methods}
+        manifest = new_manifest(experiment_file, shlex.join(command), entries)
+        _store(FilePath(out), manifest, settings, stored)
+    return pd.DataFrame(rows)
+
+
+def _cell(method: str, profile: str, digest: str, asked: Asked) -> Cell:
+    return Cell(
+        scenario_id=scenario_id(asked.scenario),
+        solver=method,
+        profile=profile,
+        branch=asked.branch,
+        initial_guess="cold",
+        repeat=0,
+        code_digest=digest,
+        scenario=asked.scenario,
+        method=Method(engine=method),
+        time_limit_s=asked.time_limit_s,
+    )
+
+
+def _row(cell: Cell, reply: Reply, settings: RunSettings) -> Row:
+    """The judged row of an answer; machine and threads are not known."""
+    prepare(cell.scenario, cell.branch)
+    row = row_of(cell, Question(cell.scenario, cell.branch), settings, reply)
+    return row | {"machine": _MACHINE, "threads": None}
+
+
+def _store(folder: FilePath, new: Manifest, settings: RunSettings, rows: list[Row]) -> None:
+    """Write the rows that a results folder does not hold yet."""
+    prepare_folder(folder)
+    with locked(folder):
+        manifest, _ = open_folder(folder, new, restart=False)
+        keys = {row_key(row) for row in rows}
+        held = done(folder)
+        totals = Counter((method, digest) for _, method, *_, digest in keys | held)
+        manifest, completes = count_cells(manifest, set(new.solvers), totals)
+        if keys <= held and manifest.finished:
+            return
+        entry = RunEntry(
+            command=new.command,
+            run_id=settings.run_id,
+            executor=settings.executor,
+            time_limit_s=settings.time_limit_s,
+        )
+        with RunRecord(folder, manifest, entry, completes):
+            writer = PartWriter(folder, settings.run_id, len(keys), None)
+            writer.skip(keys & held)
+            writer.add(rows)
+            writer.flush()
+            compact(folder, settings.run_id)
+
+
+def read_answers(file: FilePath, asked: dict[str, Asked]) -> dict[tuple[str, str], Reply]:
+    """The answers of a file, by id and method."""
+    table = _json_table(file) if file.suffix == ".json" else read_table(file)
+    missing = [name for name in COLUMNS if name not in table.names]
+    # such as the other columns of instances.csv
+    others = [name for name in table.names if name not in COLUMNS and not nearest(name, missing)]
+    names = [name for name in table.names if name not in others]
+    problems = table.problems + column_problems(names, _REQUIRED, COLUMNS[3:])
+    answers: dict[tuple[str, str], Reply] = {}
+    places: dict[tuple[str, str], str] = {}
+    for row in () if problems else table.rows:
+        cells = {name: row.values.get(name) for name in COLUMNS}
+        values = {name: cell for name, cell in cells.items() if cell not in (None, "")}
+        try:
+            given = Given.model_validate({"method": file.stem} | values)
+            path = _path(given, asked)
+            if given.key in places:
+                raise AnswersError(
+                    f"id {given.id} of method {given.method} is in {places[given.key]} already; "
+                    "expected one answer"
+                )
+        except ValidationError as error:
+            problems += [f"{row.place}: {each.sentence}" for each in problems_of(error, {})]
+        except AnswersError as error:
+            problems.append(f"{row.place}: {error}")
+        else:
+            solution = Solution(given.claim, path=path, lower_bound=given.bound)
+            times = Times(None, given.seconds, given.seconds)
+            answers[given.key] = Reply(Outcome.RETURNED, solution, times, versions="{}")
+            places[given.key] = row.place
+    if not (answers or problems):
+        problems = ["no answers; expected a row each"]
+    if problems:
+        sentences = [Problem((), plain(problem)) for problem in problems]
+        raise AnswersError(refusal(str(file), sentences))
+    note_passed_over(file, others)
+    return answers
+
+
+def _json_table(file: FilePath) -> Table:
+    """The objects of a JSON file as rows."""
+    with os_errors_as(f"{file} cannot be read"):
+        text = file.read_bytes()
+    try:
+        content = TypeAdapter(list[dict[str, Any]]).validate_json(text)
+    except ValidationError as error:
+        sentences = "; ".join(each.sentence for each in problems_of(error, {}))
+        raise AnswersError(f"{file}: {sentences}; expected a list of objects") from None
+    names = list(dict.fromkeys(chain.from_iterable(content)))
+    rows = [TableRow(f"answer {n}", each) for n, each in enumerate(content, start=1)]
+    return Table([*_REQUIRED, *(name for name in names if name not in _REQUIRED)], rows, [])
+
+
+def _path(given: Given, asked: dict[str, Asked]) -> Path | None:
+    """The path of an answer; None where it has no controls."""
+    if given.id not in asked:
+        near = did_you_mean(given.id, asked)
+        expected = "expected an id of the suite's instances.csv, as `dubins-study export` writes it"
+        raise AnswersError(f"id is {short(given.id)}; {near}{expected}")
+    if given.method in registered():
+        raise AnswersError(f"method is {given.method!r}, a solver of ours; expected another name")
+    scenario, heading = asked[given.id].scenario, given.start_heading
+    if given.curvatures is None and given.lengths is None:
+        return None
+    curvatures, lengths = given.curvatures or [], given.lengths or []
+    if len(curvatures) != len(lengths):
+        counts = f"curvatures has {len(curvatures)} numbers and lengths {len(lengths)}"
+        raise AnswersError(f"{counts}; expected as many")
+    if (heading is None) != (scenario.heading is not None):
+        expected = "a number (rad): the start is free" if heading is None else "it empty"
+        raise AnswersError(f"start_heading is {heading}; expected {expected}")
+    start = heading if scenario.heading is None else scenario.heading
+    return Path(Pose(scenario.x, scenario.y, float(start or 0.0)), curvatures, lengths)

@@ -1,0 +1,51 @@
+"""The distinct questions of an experiment, whoever answers them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import product
+from typing import NamedTuple
+
+from dubins_study.asking.attempt import QuestionError, check_branch
+from dubins_study.experiments.definition.experiment import Experiment, ExperimentError
+from dubins_study.experiments.definition.scenario_block import Block
+from dubins_study.experiments.plan.scenarios import scenario_id, scenarios
+from dubins_study.study.scenario import Scenario
+
+
+class Asked(NamedTuple):
+    """A scenario, the branch that is asked for, and the longest time limit that it is given."""
+
+    scenario: Scenario
+    branch: str
+    time_limit_s: float
+
+
+def asked_scenarios(block: Block, key: str, branches: Sequence[str]) -> list[Scenario]:
+    """The scenarios of a block; one that cannot have a branch is named by the block's key."""
+    asked = list(scenarios(block, key))
+    for place, scenario in enumerate(asked):
+        for branch in branches:
+            try:
+                check_branch(scenario, branch)
+            except QuestionError as error:
+                raise ExperimentError(f"{key}, scenario {place}: {error}") from None
+    return asked
+
+
+def questions(experiment: Experiment) -> dict[str, Asked]:
+    """The questions by their ids, in the order of the experiment's file.
+
+    The id is that of the scenario and the branch, such as `0123456789abcdef-best`: it follows from
+    what is asked, not from its place in the file.
+    """
+    asked: dict[str, Asked] = {}
+    for number, block in enumerate(experiment.scenarios):
+        branches = block.branches or experiment.branches
+        limit = block.time_limit_s or experiment.time_limit_s
+        every = asked_scenarios(block, f"scenarios.{number}", branches)
+        for scenario, branch in product(every, branches):
+            id_ = f"{scenario_id(scenario)}-{branch}"
+            earlier = asked.get(id_, Asked(scenario, branch, limit))
+            asked[id_] = earlier._replace(time_limit_s=max(limit, earlier.time_limit_s))
+    return asked

@@ -1,0 +1,148 @@
+"""Executables on PATH, run as AMPL runs them: a program as an NL file, its end from a .sol file."""
+
+from __future__ import annotations
+
+import math
+import os
+import shutil
+import signal
+import subprocess
+import tempfile
+from contextlib import suppress
+from io import StringIO
+from pathlib import Path as FilePath
+from time import perf_counter
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from dubins_study.solvers.minlp_engines.mixed_program import (
+    MinlpCall,
+    MixedProgram,
+    ProvenResult,
+    Settings,
+)
+from dubins_study.solvers.nlp_engines.expressions import mixed_program
+from dubins_study.solvers.nlp_engines.nl_file import NlFile, nl_file, pyomo_model
+from dubins_study.solvers.nlp_engines.program import NlpCall, Program
+from dubins_study.solvers.runs import EngineResult, no_point
+from dubins_study.solvers.setting_checks import Keywords, OptionValues
+from dubins_study.solvers.statuses import claim_of
+from dubins_study.study.arrays import FloatArray
+from dubins_study.study.words import DENIALS, Claim
+
+_STUB = "model"
+
+
+def ampl_nlp(options: OptionValues, executable: str, names: Keywords) -> NlpCall:
+    """An executable as a local engine."""
+
+    def solve(program: Program, guess: FloatArray, seconds: float) -> EngineResult:
+        run = _Run(executable, options, names, perf_counter() + seconds)
+        return _ended(mixed_program(program), guess, run)
+
+    return solve
+
+
+def ampl_minlp(settings: Settings, executable: str, names: Keywords) -> MinlpCall:
+    """An executable as an engine of mixed-integer programs, which tells no bound."""
+    options: OptionValues = dict.fromkeys(names.options.feasibility, settings.feastol)
+    if names.gap:
+        options[names.gap] = settings.gap
+
+    def solve(program: MixedProgram, seconds: float) -> ProvenResult:
+        run = _Run(executable, options, names, perf_counter() + seconds)
+        ended = _ended(program, None, run)
+        point = None if np.isnan(ended.x).any() else ended.x
+        rest = ended.status, ended.message
+        return ProvenResult(point, ended.claim, -math.inf, None, None, *rest)
+
+    return solve
+
+
+class _Run(NamedTuple):
+    """What is run, and until when (s, on `perf_counter`); writing the file counts as well."""
+
+    executable: str
+    options: OptionValues
+    names: Keywords
+    until: float
+
+
+def _ended(program: MixedProgram, guess: FloatArray | None, run: _Run) -> EngineResult:
+    """The end of `executable model -AMPL name=value ...`, from model.nl to model.sol.
+
+    It runs in a folder of its own, with nothing on its input; at the limit it is ended with
+    whatever it started. Nothing but the file that it leaves is read.
+    """
+    model = pyomo_model(program, guess)
+    with tempfile.TemporaryDirectory() as name:
+        folder = FilePath(name)
+        written = nl_file(model)
+        (folder / f"{_STUB}.nl").write_text(written.text, encoding="utf-8")
+        code = _exit_code(run, folder)
+        file = folder / f"{_STUB}.sol"
+        if code is None:
+            stopped = f"{run.executable} was stopped"
+            return no_point(program.lower.size, Claim.LIMIT, "time limit", stopped)
+        if not file.is_file():
+            lacking = f"{run.executable} wrote no .sol file; expected a solver that AMPL can call"
+            return no_point(program.lower.size, Claim.FAILED, f"exit code {code}", lacking)
+        text = file.read_text(encoding="utf-8", errors="replace")
+    return _read(model, written, text, run.executable)
+
+
+def _read(model: Any, written: NlFile, text: str, executable: str) -> EngineResult:
+    """What the text of a .sol file says."""
+    from pyomo.common.errors import PyomoException
+    from pyomo.contrib.solver.solvers.asl_sol_reader import (
+        ASLSolFileSolutionLoader,
+        parse_asl_sol_file,
+    )
+
+    variables, rows = list(model.x.values()), list(model.g.values())
+    try:
+        solution = parse_asl_sol_file(StringIO(text))
+    except (PyomoException, ValueError, LookupError, AssertionError) as error:
+        message = f"{executable}'s .sol file: {type(error).__name__}: {error}"
+        return no_point(len(variables), Claim.FAILED, "no .sol file", message)
+    claim = claim_of("ampl", str(solution.solve_code // 100))
+    status, message = f"solve_result_num {solution.solve_code}", " ".join(solution.message.split())
+    loader = ASLSolFileSolutionLoader(solution, written.info, model)
+    try:
+        values = loader.get_vars(variables)
+    except (PyomoException, AssertionError, LookupError):
+        # each loader has its own way to say that there is no point, which some claims do not need
+        pointless = claim if claim in (*DENIALS, Claim.LIMIT) else Claim.FAILED
+        return no_point(len(variables), pointless, status, message)
+    x = np.array([values[variable] for variable in variables])
+    duals = None
+    with suppress(PyomoException, NotImplementedError, LookupError):
+        of_row = loader.get_duals(rows)
+        # Pyomo's dual is the objective's change per unit of right-hand side, ours minus that
+        duals = -np.array([of_row[row] for row in rows])
+    return EngineResult(x, claim, duals, status=status, message=message)
+
+
+def _exit_code(run: _Run, folder: FilePath) -> int | None:
+    """The exit code of an executable, or None if it did not end in time."""
+    path = shutil.which(run.executable)
+    assert path is not None  # or the solver is unavailable
+    options = run.options | run.names.until(run.until - perf_counter())
+    words = [f"{name}={value}" for name, value in options.items()]
+    process = subprocess.Popen(
+        [FilePath(path).absolute(), _STUB, "-AMPL", *words],
+        cwd=folder,
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+        start_new_session=True,  # so that its children can be ended with it
+    )
+    try:
+        return process.wait(max(run.until - perf_counter(), 0.0))
+    except subprocess.TimeoutExpired:
+        return None
+    finally:
+        with suppress(ProcessLookupError):  # it and its children may have ended already
+            os.killpg(process.pid, signal.SIGKILL)
+        process.wait()
