@@ -142,7 +142,7 @@ def test_a_broken_sol_file_is_a_failure_with_a_message(programs, text, message):
     [
         (2, Claim.LOCAL),
         (103, Claim.FAILED),  # it says feasible, of a point that does not arrive
-        (200, Claim.INFEASIBLE),
+        (200, Claim.LOCALLY_INFEASIBLE),
         (300, Claim.FAILED),
         (401, Claim.LIMIT),
         (500, Claim.FAILED),
@@ -158,7 +158,7 @@ def test_ampls_result_codes_are_claims(programs, code, claim):
 
     assert answer.claim is claim
     assert answer.message == "LS: said so"
-    assert answer.verdict is (Verdict.NONE if claim is Claim.INFEASIBLE else Verdict.MISSES)
+    assert answer.verdict is (Verdict.NONE if claim is Claim.LOCALLY_INFEASIBLE else Verdict.MISSES)
     assert answer.multiplier_x is None
 
 
