@@ -40,10 +40,10 @@ BUDGETS = {
     "asking": 5_500,
     "experiments": 34_450,
     "conformance": 11_800,
-    "report": 74_050,
+    "report": 74_200,
     "missions": 8_600,
     "cli": 14_200,
-    "package": 308_400,
+    "package": 308_500,
     "tests": 277_750,
 }
 
