@@ -221,6 +221,7 @@ def test_the_section_says_what_is_proved(load_rows):
     section = tours_section(results)
 
     assert "The search proves 2 of 3 tours" in section.text
+    assert "Of 2 proved optima of a grid 2 are longer" in section.text
     assert section.blocks[0].name == "tours"
     written = {text.get_text() for ax in section.blocks[0].figure.axes for text in ax.texts}
     assert {"2/3", "3/3", "1/2"} <= written

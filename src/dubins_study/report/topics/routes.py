@@ -67,6 +67,7 @@ GAPS = {
     1e300: Mark("more", colour="#6a9cc4"),
     math.inf: Mark("most do not arrive", colour="#2f4c69"),
 }
+_APART = 1.3  # times as large, so that the names of two sizes do not touch
 _ALL_BUT_SAMPLES = 0.95  # share of the rows
 _DARK = 3  # classes from this one on carry light text
 _LINES = 20  # of more, the surest engine of each formulation and kind of guess is drawn
@@ -358,13 +359,17 @@ def plot_times(
 
 
 def size_axes(ax: Axes, sizes: pd.Series[int], times: pd.Series[float]) -> None:
-    """Logarithmic axes of times (s) over sizes, with a tick at every size."""
+    """Logarithmic axes of times (s) over sizes; of sizes close by not each has its name."""
     ax.set_xscale("log")
     if (times > 0).any():
         ax.set_yscale("log")
         log_axis(ax.yaxis, "s")
+    named: list[int] = []
+    for size in sorted(sizes.unique()):
+        if not named or size >= _APART * named[-1]:
+            named.append(size)
     ax.set_xticks(sorted(sizes.unique()), minor=False)
-    ax.xaxis.set_major_formatter(lambda size, _: f"{size:g}")
+    ax.xaxis.set_major_formatter(lambda size, _: f"{size:g}" if size in named else "")
     ax.xaxis.set_minor_locator(NullLocator())
     ax.tick_params(labelsize=7)
 

@@ -43,6 +43,7 @@ _PROVING = ("tour MILP", "tour circuit")
 _DISJUNCTION = "disjunction"
 _STRAIGHT_FIRST = "order then headings"  # the formulation of both orders by straight lines
 # What proved tours are compared with.
+_BEST_OF_GRID = "best tour of"
 _STRAIGHT = "order by straight lines, best headings"
 _ALTERNATING = "that order, every other leg straight"
 # how the engines' words for an optimum of their program end, in small letters
@@ -176,7 +177,7 @@ def _kind_of(row: dict[Hashable, Any], settings: dict[str, dict[str, Any]]) -> s
     if row["formulation"] == _STRAIGHT_FIRST:
         return _ALTERNATING if own.get("order") == "alternating" else _STRAIGHT
     if row["closes"] and own.get("costs") == "lengths" and not own.get("polish"):
-        return f"best tour of {own['headings']} headings"
+        return f"{_BEST_OF_GRID} {own['headings']} headings"
     return ""
 
 
@@ -215,19 +216,19 @@ def _text(rows: pd.DataFrame, compared: pd.DataFrame) -> str:
             f"The search proves {count(search['closes'].sum())} of {count(len(search))} tours "
             "within its limit."
         )
-    told = []
-    for kind, answers in compared.groupby("kind", sort=False):
-        worst = answers.groupby("label", sort=False)["gap"].median().max()
-        told.append(
-            f"{str(kind).capitalize()}: up to {share(worst)} longer at the median of a density, "
-            f"and of another order in {count(answers['other_order'].sum())} of "
-            f"{count(len(answers))}."
+    refuted = ""
+    grids = compared[compared["kind"].str.startswith(_BEST_OF_GRID)]
+    if len(grids):
+        refuted = (
+            f"Of {count(len(grids))} proved optima of a grid "
+            f"{count(grids['verdict'].eq('longer').sum())} are longer than the proved tour, and "
+            f"{count(grids['other_order'].sum())} pass the points in another order."
         )
     return sentences(
         "Closed: the search has proved its tour to be shortest, or an engine has solved its own "
         "program to the optimum. An optimum on a grid of headings is none of the question.",
         proved,
-        *told,
+        refuted,
     )
 
 
@@ -285,7 +286,8 @@ def _engines(frame: pd.DataFrame) -> Table:
         SOLVER,
         *columns(kind="cell", closes_text="closed"),
         *columns(kind="cell", in_1_s="in 1 s", in_10_s="in 10 s", in_100_s="in 100 s"),
-        *columns(digits(3), nodes="nodes", memory_mib="MiB"),
+        *columns(digits(3), nodes="nodes"),
+        *columns(lambda mib: count(round(mib)), memory_mib="MiB"),
         *columns(_gap, gap="gap of the answer", own_gap="own gap", bound_gap="gap of the bound"),
         *columns(count, false_bounds="false bounds"),
         *columns(seconds, wall_s="time"),
