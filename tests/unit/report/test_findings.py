@@ -114,19 +114,19 @@ CASES = [
     Case(
         found.words_against_joint,
         of_two(IPOPT, BOTH_ORDERS, half_wrong),
-        ("Pose one problem a word", "50.0 ("),
+        ("Pose one problem a word", "50 ("),
         50.0,
     ),
     Case(
         found.blind_start,
         of_two(ONE_GUESS, ONE_GUESS | BLIND, half_wrong),
-        ("Begin from one guess", "50.0 ("),
+        ("Begin from one guess", "50 ("),
         50.0,
     ),
     Case(
         found.proof_of_routes,
         partial(routes, slow=4.0),
-        ("it proves 100 % (", "of 2 to 20 legs", "takes 4.00 ("),
+        ("it proves 100 % (", "of 2 to 20 legs", "takes 4.0 ("),
         1.0,
     ),
     Case(
@@ -153,13 +153,13 @@ CASES = [
             IPOPT | {"evaluations": 10.0},
             lambda q: {"evaluations": 60.0 + q % 3},
         ),
-        ("Drop the words", "6.10 ("),
+        ("Drop the words", "6.1 ("),
         6.1,
     ),
     Case(
         found.price_of_proof,
         of_two(IPOPT, SCIP | PROOF, partial(slower, 50.0)),
-        ("SCIP on disjunction takes 50.0 (50.0 to 50.0) times", "right on 100 % ("),
+        ("SCIP on disjunction takes 50 (50 to 50) times", "right on 100 % ("),
         50.0,
     ),
 ]
@@ -192,16 +192,6 @@ def test_a_finding_is_said_of_its_effect_alone(case):
         assert case.find(evidence(rows)) is None
 
 
-@pytest.mark.parametrize(("started", "said"), [("2026-11-27T00:41", False), ("2026-11-28", True)])
-def test_no_growth_is_said_of_an_engine_that_was_given_less_than_it_takes(started, said):
-    """Of Uno's rows with whole matrices; of later ones as of any engine."""
-    rows = routes(MANY, True, power=2.0, sizes=(10, 20, 50, 100))
-    uno = {"engine": "Uno filterSQP", "started": started}
-    finding = found.growth(evidence(one | uno if one["solver"] == "ipopt" else one for one in rows))
-
-    assert (finding is not None and "Uno" in finding.sentence) == said
-
-
 def test_guesses_are_told_apart():
     """From one guess the words are better, from a straight line worse: each is said by itself."""
     one = {"guess": "one", "guesses": "one"}
@@ -210,7 +200,7 @@ def test_guesses_are_told_apart():
     finding = found.words_against_joint(evidence(joint(MANY, True) + words(MANY, True)))
 
     assert finding.sentence.startswith("Pose one problem a word: from a straight line")
-    assert "; from one guess toward the target −25.0 (" in finding.question
+    assert "; from one guess toward the target −25 (" in finding.question
     assert "1 method" in finding.question
 
 
@@ -228,8 +218,8 @@ def test_the_search_is_held_against_the_fastest_of_those_that_are_as_sure():
     told = found.proof_of_routes(evidence(rows + slsqp + never)).question
 
     assert "Uno" not in told
-    assert "4.00 (4.00 to 4.00) times as long as Ipopt on 40 routes with short" in told
-    assert "8.00 (8.00 to 8.00) times as long as SLSQP" in told
+    assert "4.0 (4.0 to 4.0) times as long as Ipopt on 40 routes with short" in told
+    assert "8.0 (8.0 to 8.0) times as long as SLSQP" in told
     assert (
         found.proof_of_routes(evidence([one for one in rows if one not in ipopt] + never)) is None
     )
@@ -353,7 +343,7 @@ def test_the_section_has_every_sentence(load_rows):
     shown = {section.title for topic in topics for section in sections_of(topic, loaded)}
     named = {case.find(evidence(case.made(MANY, True))).shown_in for case in CASES}
     assert {name.split(":")[0] for name in named} <= shown | {TITLE}
-    assert "SCIP (bearing) on one NLP a word takes 3.00" in " ".join(
+    assert "SCIP (bearing) on one NLP a word takes 3.0" in " ".join(
         section.blocks[0].frame["sentence"]
     )
     assert "medians 3.00 ms and 1.00 ms" in " ".join(section.blocks[0].frame["question"])

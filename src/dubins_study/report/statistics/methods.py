@@ -249,7 +249,7 @@ def once(compute: Callable[[Rows], T]) -> Callable[[Rows], T]:
 
 
 # Columns that no comparison reads: every selection of rows would copy them.
-_UNREAD = [column.name for column in ROW if column.detail and column.name != "started"]
+_UNREAD = [column.name for column in ROW if column.detail]
 
 
 @once

@@ -29,7 +29,7 @@ from dubins_study.study.words import SAME_CODE
 ENOUGH = 20
 
 _MOST_FLOOR = 0.5  # of a time that is compared
-_THREE = digits(3)
+_TWO = digits(2)  # times are of one machine, with a neighbour
 
 
 class Estimate(NamedTuple):
@@ -40,7 +40,7 @@ class Estimate(NamedTuple):
     high: float
     questions: int
 
-    def text(self, show: Format = _THREE) -> str:
+    def text(self, show: Format = _TWO) -> str:
         """The number and its interval: `2.5 (2.1 to 3.4)`."""
         return with_interval(show, self.value, self.low, self.high)
 

@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 
 from dubins_study.report.data.attempts import ENOUGH_TO_CHOOSE, EXACT, legs_of
-from dubins_study.report.elements.formats import digits, seconds, some
+from dubins_study.report.elements.formats import seconds, some
 from dubins_study.report.statistics.intervals import geometric_means
 from dubins_study.report.statistics.methods import surest_first
 from dubins_study.report.topics.findings_evidence import (
@@ -25,9 +25,6 @@ _SIZES = 4  # numbers of legs that an exponent is of, at least
 _AT_ENDS = 20  # routes of the least and of the largest number of legs, at least
 _BEND = 10  # legs; on shorter routes a call costs more than its legs, which bends the line
 _RESAMPLES, _SEED = 2000, 0
-# Rows of an engine that began before this time (UTC) say nothing of how its time grows: our adapter
-# gave it less than it takes. Of Uno: whole matrices, 97 % of its time at 200 legs.
-_GIVEN_LESS_UNTIL = {"Uno filterSQP": "2026-11-27T12"}
 
 
 def routes_of(evidence: Evidence) -> pd.DataFrame:
@@ -148,8 +145,6 @@ def growth(evidence: Evidence) -> Finding | None:
     attempt that a limit ended counts as failed: its time is the limit's.
     """
     rows = routes_of(evidence)
-    since = rows["engine"].astype(str).map(_GIVEN_LESS_UNTIL).fillna("")
-    rows = rows[rows["started"].astype(str) >= since]
     if rows.empty:
         return None
     label = rows.groupby("label")["legs"].max().idxmax()
@@ -189,7 +184,7 @@ def growth(evidence: Evidence) -> Finding | None:
         """The factor by which twice as many legs multiply a solver's time, with its interval."""
         slope = powers[solver]
         factor = slope._replace(value=2**slope.value, low=2**slope.low, high=2**slope.high)
-        return factor.text(digits(2))
+        return factor.text()
 
     others = [f"{named(least)} by {doubled(least)}"]
     if EXACT in powers and EXACT not in (least, most):
