@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
@@ -170,9 +172,10 @@ def _liars(rows: pd.DataFrame, table: pd.DataFrame) -> str:
     denials = int((rows["truth"] == DENIAL).sum())
     optima = rows[rows["claim"] == Claim.OPTIMAL]
     wrong = int((optima["proof"] == PROOFS[2]).sum())
-    liars = f"In {some(made, 'attempt')} {number} of {count(len(table))} made {claimed}{listed}."
+    attempts = f"{some(made, 'attempt')} at legs and routes"
+    liars = f"In {attempts} {number} of {count(len(table))} made {claimed}{listed}."
     return sentences(
-        liars if len(false) else f"No method makes a false claim in {some(made, 'attempt')}.",
+        liars if len(false) else f"No method makes a false claim in {attempts}.",
         f"{some(denials, 'denial')} more are local engines' words of their last point."
         if denials
         else "",
@@ -233,4 +236,18 @@ def _proof_table(false: pd.DataFrame, names: pd.DataFrame) -> Table:
     return Table("belief-false", caption, frame, shown, dense=True)
 
 
+def proof_section(results: Results) -> Section | None:
+    """The same of engines with a proof, asked with models and settings that are known to fail."""
+    section = belief_section(results)
+    if section is None:
+        return None
+    return replace(
+        section,
+        key="claims-of-proof",
+        title="Claims of proof where they are known to fail",
+        blocks=tuple(replace(block, name=f"{block.name}-of-proof") for block in section.blocks),
+    )
+
+
 TOPIC = Topic("whom one can believe", belief_section, General.BENCHMARKED, place=Place.FRONT)
+OF_PROOF = Topic("claims of proof", proof_section, "claims")
