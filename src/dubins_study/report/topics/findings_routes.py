@@ -74,9 +74,12 @@ def proof_of_routes(evidence: Evidence) -> Finding | None:
     short = engines if engines.is_unique else evidence.methods["name"]
     ratios: list[Estimate] = []
     compared: list[str] = []
-    label = own.groupby("question")["label"].first().reindex(both.index)
-    for spacing, part in both.groupby(label, sort=False):
+    left_out: list[str] = []
+    label = own.groupby("question")["label"].first()
+    for spacing in label.unique():
+        part = both[label.reindex(both.index) == spacing]
         if len(part) < ENOUGH:
+            left_out.append(f"{some(len(part), 'route')} with {spacing}")
             continue
         # times are compared, and the ratio is had, by geometric means
         fastest = np.log(part[names]).mean().idxmin()
@@ -93,13 +96,14 @@ def proof_of_routes(evidence: Evidence) -> Finding | None:
     rival = chosen_share(line["share"], int(line["trials"]), len(surest) * evidence.of)
     most = own["legs"].max()
     longest = own.loc[own["legs"] == most, "wall_s"].median()
+    rest = f"; too few to compare: {', '.join(left_out)}" if left_out else ""
     return Finding(
         f"Use the search for a route: it proves {proved.percent_text()} of those of 2 to {most} "
         "legs within its limit.",
         proved,
         f"{some(proved.questions, 'route')}; those of {most} legs take it {seconds(longest)}. Of "
         f"engines without a proof {_named(evidence, *names)} find most, {rival.percent_text()}. "
-        f"Where all are right, the search takes {' and '.join(compared)}",
+        f"Where all are right, the search takes {' and '.join(compared)}{rest}",
         TITLE,
     )
 
