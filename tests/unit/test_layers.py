@@ -35,16 +35,16 @@ class Size(NamedTuple):
 # Syntax nodes that a room with all rooms below it, the whole package and the tests may hold. A
 # budget is raised only in the commit that adds what it is for.
 BUDGETS = {
-    "study": 87_000,
-    "solvers": 75_100,
+    "study": 88_100,
+    "solvers": 76_500,
     "asking": 5_500,
-    "experiments": 36_900,
+    "experiments": 37_900,
     "conformance": 11_800,
-    "report": 74_000,
+    "report": 76_200,
     "missions": 8_600,
     "cli": 15_000,
-    "package": 313_000,
-    "tests": 279_900,
+    "package": 319_500,
+    "tests": 284_800,
 }
 
 _LEAVES = (

@@ -90,9 +90,9 @@ def existence_section(results: Results) -> Section | None:
     return Section("existence", "Where no path exists", text, tuple(tables), _LEAD)
 
 
-_STATIONARY = 1e-3
-"""Slopes of the violation below it are of stationary points: of the points where engines end, those
-that converge lie below 1e-4, the others above 1e-2."""
+# The share of the violation that a step of one radian or radius removes, up to which a point counts
+# as stationary: as exactly as a path must arrive.
+_STATIONARY = 1e-6
 
 
 def last_points(attempts: pd.DataFrame) -> pd.DataFrame:
@@ -125,9 +125,9 @@ def _points_text(points: pd.DataFrame) -> str:
 
 def _points_table(points: pd.DataFrame) -> Table:
     caption = (
-        "Where local engines end without a path. Stationary: no small change of the unknowns "
-        f"lowers the violation (a slope of at most {_STATIONARY:g}, by our derivatives). That is "
-        "what `locally infeasible` says; other engines end there too, and have no word for it."
+        "Where local engines end without a path. Stationary: by the equations' derivatives a step "
+        f"of 1 removes at most {_STATIONARY:g} of the violation. That is what `locally infeasible` "
+        "says; other engines end there too, and have no word for it."
     )
     shown = (
         *columns(kind="text", engine="engine", claim="it says"),

@@ -219,30 +219,23 @@ FINDINGS: tuple[Callable[[Evidence], Finding | None], ...] = (
 
 def findings_section(results: Results) -> Section | None:
     """Sentences to act on, each computed from the rows; None if the rows carry none."""
-    every = simultaneous(lambda of: _found(results, of))
+    every = _found(results)
     if not every:
         return None
     text = (
         "Every finding is computed from the results, and rests on at least "
-        f"{ENOUGH} questions. All intervals hold at once with 95 %, and each leaves out that there "
-        "is no difference."
+        f"{ENOUGH} questions. The intervals of all sentences hold at once with 95 %, and a "
+        "difference is said only where its interval leaves out that there is none."
     )
     lead = f"Read {some(len(every), 'sentence')} to act on, what matters most first."
     return Section("findings", "What the study found", text, (_table(every),), lead)
 
 
-def simultaneous(find: Callable[[int], list[Finding]]) -> list[Finding]:
-    """The findings whose intervals all hold at once with 95 %.
-
-    `find` takes the number that the intervals are corrected for: of those that are clear without.
-    """
-    return find(len(find(1)))
-
-
-def _found(results: Results, of: int) -> list[Finding]:
+def _found(results: Results) -> list[Finding]:
     """The findings of each experiment apart, which they name where there are several.
 
-    Not of frozen problems: a few of each size, which have a section of their own.
+    Their intervals are corrected for all that could be found: each of `FINDINGS` in each
+    experiment. Not of frozen problems, which have a section of their own.
     """
     paths = results.attempts[~results.attempts["branch"].isin(BRANCHES_WITHOUT_PATH)]
     asked = set(paths["experiment"])
@@ -251,7 +244,7 @@ def _found(results: Results, of: int) -> list[Finding]:
     for name in names:
         attempts = compared(results.only({name}))
         if attempts is not None:
-            suites[name] = Evidence(attempts, max(of, 1))
+            suites[name] = Evidence(attempts, len(FINDINGS) * len(names))
     every = []
     for find in FINDINGS:
         for name, evidence in suites.items():
@@ -271,9 +264,9 @@ def _table(findings: list[Finding]) -> Table:
     )
     caption = (
         "Intervals: of shares Wilson's, of all others by bootstrap over scenarios, over engines "
-        "too where none is named. They are corrected for the number of sentences (Bonferroni). A "
-        "ratio of times divides medians over the questions that both answer, of routes geometric "
-        "means."
+        "too where none is named. They are corrected for the number of possible sentences "
+        "(Bonferroni). A ratio of times divides medians over the questions that both answer, of "
+        "routes geometric means."
     )
     return Table("findings", caption, pd.DataFrame(findings), shown, stacked=True)
 

@@ -24,7 +24,7 @@ _LONG = 5  # legs from which engines are asked where they stop
 _SIZES = 4  # numbers of legs that an exponent is of, at least
 _AT_ENDS = 20  # routes of the least and of the largest number of legs, at least
 _BEND = 10  # legs; on shorter routes a call costs more than its legs, which bends the line
-_RESAMPLES, _SEED = 2000, 0
+_RESAMPLES, _SEED = 20_000, 0
 
 
 def routes_of(evidence: Evidence) -> pd.DataFrame:
@@ -47,6 +47,14 @@ def _named(evidence: Evidence, *solvers: str) -> str:
     return f"{names} (given the words)" if given else names
 
 
+def _search(evidence: Evidence) -> pd.DataFrame:
+    """The search's attempts at routes of at least two legs, the undecided ones too."""
+    rows = evidence.compared.rows
+    rows = rows[rows["solver"] == EXACT]
+    legs = legs_of(rows)
+    return rows.assign(legs=legs)[legs > 1]
+
+
 def _closed(rows: pd.DataFrame) -> pd.Series[bool]:
     """Whether each attempt of the search is right and proved."""
     return rows["right"] & rows["claim"].eq("optimal")
@@ -58,7 +66,7 @@ def proof_of_routes(evidence: Evidence) -> Finding | None:
     Of several engines that are as sure the fastest counts, spacing by spacing.
     """
     rows = routes_of(evidence)
-    own = rows[rows["solver"] == EXACT]
+    own = _search(evidence)
     surest = _surest(evidence, rows[~rows["solver"].isin(evidence.provers)])
     if own.empty or surest.empty:
         return None
@@ -117,7 +125,7 @@ def where_engines_stop(evidence: Evidence) -> Finding | None:
         surest = _surest(evidence, of_label)
         if len(surest) and surest["trials"].iloc[0] >= ENOUGH:
             line = surest.iloc[0]
-            several = len(surest) * evidence.of
+            several = len(surest) * rows["label"].nunique() * evidence.of
             hardest[str(label)] = chosen_share(line["share"], int(line["trials"]), several)
     if not hardest:
         return None
@@ -125,7 +133,8 @@ def where_engines_stop(evidence: Evidence) -> Finding | None:
     share = hardest[label]
     chosen = rows[rows["label"] == label]
     surest = _surest(evidence, chosen)
-    proved = _closed(chosen[chosen["solver"] == EXACT])
+    search = _search(evidence)
+    proved = _closed(search[(search["label"] == label) & (search["legs"] >= _LONG)])
     if proved.empty or not proved.mean() > share.high:
         return None
     legs = f"{chosen['legs'].min()} to {chosen['legs'].max()} legs"

@@ -47,7 +47,7 @@ from dubins_study.report.elements.style import (
 )
 from dubins_study.report.statistics.intervals import scenario_shares
 from dubins_study.report.statistics.methods import best_methods, methods_of, stratum_order
-from dubins_study.report.statistics.metrics import gaps, success, upper_quantile
+from dubins_study.report.statistics.metrics import success, upper_quantile
 from dubins_study.report.topics.maps import draw_kinds
 from dubins_study.report.topics.paper_figures import plot_start_and_target
 from dubins_study.report.topics.summary import solver_summary
@@ -127,7 +127,7 @@ def data_profiles(rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
     in_time = rows["wall_s"].mask(is_true(rows["late"]))
     panels = {}
     for power in TARGETS:
-        reached = in_time.where(gaps(rows) <= 10.0**-power, np.inf)
+        reached = in_time.where(rows["gap"] <= 10.0**-power, np.inf)
         groups = reached.groupby(rows["solver"], observed=True)
         shares = {
             str(name): np.searchsorted(np.sort(times), _TIMES, "right") / len(times)

@@ -10,17 +10,15 @@ from __future__ import annotations
 from functools import partial
 
 import numpy as np
-from scipy.sparse import coo_array, csr_array, eye_array, vstack
+from scipy.sparse import coo_array, csr_array, eye_array, hstack, vstack
 
 from dubins_study.solvers.nlp_engines.program import NlpCall, Program
 from dubins_study.solvers.runs import EngineResult
 from dubins_study.study.arrays import FloatArray
-from dubins_study.study.body_coordinates import EPS
 
-# Of the linear program: the largest change of a variable. Equations that are off by less than such
-# a step can mend count as met, which they are where an engine minimises the sum of the violations.
-_STEP = 1e-3
+_STEP = 1.0  # radians, or radii: the natural unit of every variable
 _SECONDS = 0.5  # of the linear program at most; it takes 0.1 s at 200 legs
+_MOST = 400  # variables up to which the Euclidean length is tried too
 
 
 def measured(call: NlpCall) -> NlpCall:
@@ -34,13 +32,13 @@ def measured(call: NlpCall) -> NlpCall:
 
 
 def violation_slope(program: Program, x: FloatArray) -> float | None:
-    """How far a point, shape (n,), is from stationary for the violation of its equations.
+    """The share of a point's violation, x of shape (n,), that a step of at most 1 removes.
 
-    With multipliers y of the violation's norm and the Jacobian J, the largest entry of
-    |x - clip(x - J'y / |J|, lower, upper)|, where |J| is the largest sum of a column's absolute
-    entries: 0 where stationary, 1 where the most effective variable is unopposed. Of two norms, the
-    sum of the violations and their Euclidean length, the one that makes it smaller counts, since
-    engines minimise the one or the other. None without a point, or where it misses nothing.
+    By the linear model of the equations, within the bounds: 0 where the point is stationary for
+    the violation, 1 where the model can be mended. The model's violation is convex in the step, so
+    that it is 0 for a box of this size if and only if it is for any other. Of the sum of the
+    violations and their Euclidean length the smaller share counts, since engines minimise the one
+    or the other. None without a point, or where it misses nothing.
     """
     if program.lower.size != x.size or not np.isfinite(x).all():
         return None
@@ -54,34 +52,33 @@ def violation_slope(program: Program, x: FloatArray) -> float | None:
     if not (np.isfinite(g).all() and np.isfinite(entries).all() and off.any()):
         return None
     slopes = csr_array(coo_array((entries, (rows, columns)), shape=(g.size, x.size)))
-    largest = max(float(abs(slopes).sum(axis=0).max()), EPS)
-    every = [off / abs(off).max(), _sum_multipliers(program, x, slopes, high - g, g - low)]
-    steps = [slopes.T @ y / largest for y in every if y is not None]
-    moves = [abs(x - np.clip(x - step, program.lower, program.upper)).max() for step in steps]
-    return float(min(moves))
+    box = np.maximum(program.lower - x, -_STEP), np.minimum(program.upper - x, _STEP)
+    left = [_least_sum(slopes, high - g, g - low, box) / abs(off).sum()]
+    if x.size <= _MOST and program.bounds is None:
+        left.append(_least_length(slopes, off, box) / float(np.linalg.norm(off)))
+    return float(np.clip(1.0 - np.nanmax([0.0, *left]), 0.0, 1.0))
 
 
-def _sum_multipliers(
-    program: Program, x: FloatArray, slopes: csr_array, above: FloatArray, below: FloatArray
-) -> FloatArray | None:
-    """The multipliers of min sum t, -t - below <= J d <= t + above over small steps d, or None."""
+def _least_sum(
+    slopes: csr_array, above: FloatArray, below: FloatArray, box: tuple[FloatArray, FloatArray]
+) -> float:
+    """min sum t such that -t - below <= J d <= t + above, over steps in a box; NaN if unsolved."""
     from scipy.optimize import linprog
 
     m, n = slopes.shape
     slack = eye_array(m)
-    rows = vstack([_beside(slopes, -slack), _beside(-slopes, -slack)])
-    ends = np.concatenate([above, below])
-    low = np.minimum(np.maximum(program.lower - x, -_STEP), 0.0)
-    high = np.maximum(np.minimum(program.upper - x, _STEP), 0.0)
-    bounds = np.concatenate([np.stack([low, high], axis=1), [(0.0, np.inf)] * m])
+    rows = vstack([hstack([slopes, -slack]), hstack([-slopes, -slack])])
+    bounds = np.concatenate([np.stack(box, axis=1), [(0.0, np.inf)] * m])
     cost = np.concatenate([np.zeros(n), np.ones(m)])
+    ends = np.concatenate([above, below])
     solved = linprog(cost, rows, ends, bounds=bounds, options={"time_limit": _SECONDS})
-    if solved.status != 0:
-        return None
-    multipliers = -np.asarray(solved.ineqlin.marginals)
-    return np.asarray(multipliers[:m] - multipliers[m:])
+    return float(solved.fun) if solved.status == 0 else np.nan
 
 
-def _beside(left: csr_array, right: csr_array) -> csr_array:
-    """Two matrices side by side."""
-    return csr_array(vstack([left.T, right.T]).T)
+def _least_length(slopes: csr_array, off: FloatArray, box: tuple[FloatArray, FloatArray]) -> float:
+    """min |off + J d| over steps in a box."""
+    from scipy.optimize import lsq_linear
+
+    free = box[1] > box[0]
+    solved = lsq_linear(slopes.toarray()[:, free], -off, bounds=(box[0][free], box[1][free]))
+    return float(np.linalg.norm(solved.fun))
