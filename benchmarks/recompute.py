@@ -162,6 +162,8 @@ def findings(rows: pd.DataFrame, page: str) -> Iterator[Number]:
     routes = rows[rows["path"] & (legs > 1) & rows["solver"].eq("analytic")]
     closed = (routes["right"] & routes["claim"].eq("optimal")).mean()
     printed = one(r"it proves ([\d.]+ %)", text)
+    if printed == "-":
+        return  # what these rows do not carry
     yield Number("routes that the search proves", printed, percent(float(closed)))
     printed = one(r"those of \d+ legs take it ([\d.]+ m?s)", text)
     most = routes.loc[legs[routes.index] == legs[routes.index].max(), "wall_s"].median()

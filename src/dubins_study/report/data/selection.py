@@ -54,7 +54,8 @@ def select_attempts(
     it is the manifest's. Four columns are added: `experiment`; `answerable`, whether the question
     has an answer, so that a gap can be measured; `late`, whether the attempt took longer than its
     limit: it is then a failure, whatever it answered, in shares and in means alike; and
-    `elsewhere`, whether it was made on another machine than most rows of the first folder.
+    `elsewhere`, whether it was made on another machine than most rows of its experiment's first
+    folder: times of one suite are compared with each other, and suites may be of several machines.
     """
     stored = pa.concat_tables(tables)
     rows = stored.select(list(_READ)).to_pandas()
@@ -67,12 +68,12 @@ def select_attempts(
     shown = rows.iloc[places[kept]]
     stated = {n: m.time_limit_s or np.nan for n, m in enumerate(manifests)}
     limits = shown["limit_s"].fillna(shown["folder"].map(stated))
-    own_machine = shown["machine"][shown["folder"] == 0].mode()
+    own = shown["experiment"].map(_own_machines(shown))
     added = {
         "experiment": shown["experiment"],
         "answerable": _answerable(shown),
         "late": shown["wall_s"] > limits,
-        "elsewhere": shown["machine"].notna() & ~shown["machine"].isin(own_machine[:1]),
+        "elsewhere": shown["machine"].notna() & shown["machine"].ne(own),
     }
     for name, values in added.items():
         counted = counted.append_column(name, pa.array(values, from_pandas=True))
@@ -86,6 +87,13 @@ def select_attempts(
         )._replace(other_limits=int(differ.get(n, 0)))
         for n, m in enumerate(manifests)
     ]
+
+
+def _own_machines(rows: pd.DataFrame) -> dict[str, str | None]:
+    """By experiment, the machine of most rows of the first folder that holds it."""
+    first = rows["folder"] == rows.groupby("experiment")["folder"].transform("min")
+    modes = {str(name): part.mode() for name, part in rows[first].groupby("experiment")["machine"]}
+    return {name: str(mode.iloc[0]) if len(mode) else None for name, mode in modes.items()}
 
 
 def _other_limits(rows: pd.DataFrame) -> pd.Series[int]:
