@@ -349,3 +349,15 @@ def test_the_section_has_every_sentence(load_rows):
     assert "medians 3.00 ms and 1.00 ms" in " ".join(section.blocks[0].frame["question"])
     assert "divides medians" in section.blocks[0].caption
     assert findings_section(load_rows("few", rows[:6])) is None
+
+
+def test_an_open_question_is_left_out_for_every_engine():
+    """A good answer there is undecided and no trial; a bad one must be none either."""
+    rows = [row(q, solver) for q in range(4) for solver in ("ipopt", "slsqp")]
+    rows[0] |= {"verdict": "undecided", "right": False, "answerable": False}
+    rows[1] |= {"verdict": "longer", "right": False}
+
+    rates = evidence(rows).rates
+
+    assert sorted(rates.index) == sorted({one["question"] for one in rows[2:]})
+    assert (rates == 1.0).all(axis=None)

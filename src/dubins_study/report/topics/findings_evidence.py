@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 import pandas as pd
 
-from dubins_study.report.data.attempts import EXACT
+from dubins_study.report.data.attempts import EXACT, UNDECIDED
 from dubins_study.report.elements.formats import Format, digits, seconds, share, some
 from dubins_study.report.elements.identity import with_interval
 from dubins_study.report.statistics.intervals import (
@@ -102,9 +102,20 @@ class Evidence:
         self.methods = compared.engines.join(rows[["guesses", "presolve", "knows"]].first())
 
     @cached_property
+    def decided(self) -> pd.DataFrame:
+        """The attempts at questions with a path, without those that the check leaves open.
+
+        There a good answer would be no trial, and a bad one would be.
+        """
+        rows = self.compared.rows
+        left_open = rows.loc[rows["verdict"].eq(UNDECIDED), "question"].unique()
+        answerable = self.compared.answerable
+        return answerable[~answerable["question"].isin(left_open)]
+
+    @cached_property
     def rates(self) -> pd.DataFrame:
         """Share of right repeats: questions by solvers; NaN where the solver was not asked."""
-        rows = self.compared.answerable
+        rows = self.decided
         right = rows["right"].astype(float)
         return right.groupby([rows["question"], rows["solver"]]).mean().unstack()
 
@@ -137,8 +148,13 @@ class Evidence:
     @cached_property
     def usual(self) -> pd.DataFrame:
         """The methods that met nearly all questions; the others would compare the questions."""
-        met = self.rates.notna().mean()
-        return self.methods[met.reindex(self.methods.index).fillna(0.0) >= ENOUGH_ASKED]
+        return self.met_most(self.decided)
+
+    def met_most(self, rows: pd.DataFrame) -> pd.DataFrame:
+        """The methods that met nearly all questions of some attempts."""
+        met = rows.groupby("solver", observed=True)["question"].nunique()
+        share = met.reindex(self.methods.index).fillna(0.0) / max(rows["question"].nunique(), 1)
+        return self.methods[share >= ENOUGH_ASKED]
 
     @cached_property
     def at_floor(self) -> list[str]:

@@ -28,15 +28,15 @@ _RESAMPLES, _SEED = 20_000, 0
 
 
 def routes_of(evidence: Evidence) -> pd.DataFrame:
-    """The attempts at routes of at least two legs, with a column legs."""
-    rows = evidence.compared.answerable
+    """The attempts at routes of at least two legs that are not left open, with a column legs."""
+    rows = evidence.decided
     legs = legs_of(rows)
     return rows.assign(legs=legs)[legs > 1]
 
 
 def _surest(evidence: Evidence, rows: pd.DataFrame) -> pd.DataFrame:
     """Engines that met nearly all questions, the most surely right first: `scenario_shares`."""
-    engines = rows[rows["solver"].isin(evidence.usual.index)]
+    engines = rows[rows["solver"].isin(evidence.met_most(rows).index)]
     return surest_first(engines, ["solver"])
 
 
@@ -164,7 +164,8 @@ def growth(evidence: Evidence) -> Finding | None:
     rows = rows[(rows["label"] == label) & (rows["legs"] >= _BEND) & ~rows["elsewhere"]]
     largest = rows["legs"].max()
     answered: dict[str, pd.DataFrame] = {}
-    for solver in [EXACT, *evidence.usual.index.difference(evidence.at_floor, sort=False)]:
+    usual = evidence.met_most(rows).index
+    for solver in [EXACT, *usual.difference(evidence.at_floor, sort=False)]:
         mine = rows[rows["solver"] == solver]
         done = mine["right"] & mine["claim"].ne("limit")
         share = done.groupby(mine["legs"]).mean()
