@@ -1,6 +1,7 @@
 """Whether a point is stationary for the violation, beside geometry and a minimiser."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -78,6 +79,15 @@ def test_what_one_step_mends_is_not_stationary(rows, offset):
     program = linear(rows, offset)
 
     assert violation_slope(program, np.zeros(len(rows[0]))) == pytest.approx(1.0)
+
+
+def test_a_row_may_have_one_end():
+    """x <= 1 is met at 0, so that x = -3, beyond the bounds, is what is left."""
+    both = linear([[1.0], [1.0]], [0.0, 0.0])
+    ends = (np.array([-np.inf, -3.0]), np.array([1.0, -3.0]))
+
+    assert violation_slope(replace(both, bounds=ends), np.array([-2.0])) == pytest.approx(0.0)
+    assert violation_slope(replace(both, bounds=ends), np.array([0.0])) > 0.3
 
 
 def test_two_equations_that_contradict_each_other_are_stationary():

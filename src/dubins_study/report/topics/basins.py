@@ -27,6 +27,7 @@ from dubins_study.study.closed_form.shortest import shortest
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.scenario_frame import scenario_of
 from dubins_study.study.tolerances import Tolerances
+from dubins_study.study.words import DENIALS
 
 OPTIMUM = "shortest path"
 TURNS = "shortest path and full turns"
@@ -87,9 +88,10 @@ def end_of(row: Mapping[Hashable, Any]) -> tuple[str, float]:
     """
     if row["verdict"] == "optimal":
         return OPTIMUM, 0
+    if row["claim"] in DENIALS:
+        return INFEASIBLE, math.nan
     if row["false_claim"]:
-        end = INFEASIBLE if row["claim"] == "infeasible" else FALSE_PATH
-        return end, math.nan
+        return FALSE_PATH, math.nan
     if row["verdict"] != "longer" or row["claim"] not in ("optimal", "local"):
         return GIVES_UP, math.nan
     local_minimum = minimum(scenario_of(row), row["length"])

@@ -8,13 +8,16 @@ variables lowers the violation to first order: a point of local infeasibility.
 from __future__ import annotations
 
 from functools import partial
+from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.sparse import coo_array, csr_array, eye_array, hstack, vstack
 
 from dubins_study.solvers.nlp_engines.program import NlpCall, Program
 from dubins_study.solvers.runs import EngineResult
 from dubins_study.study.arrays import FloatArray
+
+if TYPE_CHECKING:
+    from scipy.sparse import csr_array
 
 _STEP = 1.0  # radians, or radii: the natural unit of every variable
 _SECONDS = 0.5  # of the linear program at most; it takes 0.1 s at 200 legs
@@ -40,6 +43,8 @@ def violation_slope(program: Program, x: FloatArray) -> float | None:
     violations and their Euclidean length the smaller share counts, since engines minimise the one
     or the other. None without a point, or where it misses nothing.
     """
+    from scipy.sparse import coo_array, csr_array
+
     if program.lower.size != x.size or not np.isfinite(x).all():
         return None
     x = np.clip(x, program.lower, program.upper)
@@ -64,14 +69,17 @@ def _least_sum(
 ) -> float:
     """min sum t such that -t - below <= J d <= t + above, over steps in a box; NaN if unsolved."""
     from scipy.optimize import linprog
+    from scipy.sparse import csr_array, eye_array, hstack, vstack
 
     m, n = slopes.shape
     slack = eye_array(m)
-    rows = vstack([hstack([slopes, -slack]), hstack([-slopes, -slack])])
+    rows = csr_array(vstack([hstack([slopes, -slack]), hstack([-slopes, -slack])]))
     bounds = np.concatenate([np.stack(box, axis=1), [(0.0, np.inf)] * m])
     cost = np.concatenate([np.zeros(n), np.ones(m)])
     ends = np.concatenate([above, below])
-    solved = linprog(cost, rows, ends, bounds=bounds, options={"time_limit": _SECONDS})
+    ended = np.flatnonzero(np.isfinite(ends))
+    options = {"time_limit": _SECONDS}
+    solved = linprog(cost, rows[ended], ends[ended], bounds=bounds, options=options)
     return float(solved.fun) if solved.status == 0 else np.nan
 
 
