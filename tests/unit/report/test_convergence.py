@@ -154,9 +154,9 @@ def test_convex_problems_by_hand(load_rows):
 
 def test_convex_problems_of_another_machine_have_no_picture(results, tmp_path):
     """Their times rank nothing. How many are right is still said."""
-    ours = results("here", [attempt(paper_scenarios()[0])])
+    ours = results("convex", [attempt(paper_scenarios()[0])])
     theirs = [row | {"machine": "another"} for row in frozen_rows()]
-    section = convex_section(load([ours, write_folder(tmp_path / "convex", "convex", theirs)]))
+    section = convex_section(load([ours, write_folder(tmp_path / "theirs", "convex", theirs)]))
     (engines,) = section.blocks
 
     assert engines.frame["mean_s_1e-06"].isna().all()
