@@ -29,9 +29,7 @@ _RESAMPLES, _SEED = 20_000, 0
 
 def routes_of(evidence: Evidence) -> pd.DataFrame:
     """The attempts at routes of at least two legs that are not left open, with a column legs."""
-    rows = evidence.decided
-    legs = legs_of(rows)
-    return rows.assign(legs=legs)[legs > 1]
+    return _of_several_legs(evidence.decided)
 
 
 def _surest(evidence: Evidence, rows: pd.DataFrame) -> pd.DataFrame:
@@ -50,7 +48,11 @@ def _named(evidence: Evidence, *solvers: str) -> str:
 def _search(evidence: Evidence) -> pd.DataFrame:
     """The search's attempts at routes of at least two legs, the undecided ones too."""
     rows = evidence.compared.rows
-    rows = rows[rows["solver"] == EXACT]
+    return _of_several_legs(rows[rows["solver"] == EXACT])
+
+
+def _of_several_legs(rows: pd.DataFrame) -> pd.DataFrame:
+    """The attempts at routes of at least two legs, with a column legs."""
     legs = legs_of(rows)
     return rows.assign(legs=legs)[legs > 1]
 

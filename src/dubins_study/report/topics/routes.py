@@ -108,8 +108,11 @@ def routes_section(results: Results) -> Section | None:
         "Each row is a method. From left to right the routes get more legs; from panel to panel "
         "the legs get shorter."
     )
-    timed = _timed(results)
-    blocks = (_picture(cells, strata, results, timed), _profiles(rows, results, timed))
+    engines = solver_summary(results.attempts)
+    engines = engines[engines["solver"] != EXACT]
+    timed = _timed(engines)
+    picture = _picture(cells, strata, results, engines, timed)
+    blocks = (picture, _profiles(rows, results, timed))
     return Section("routes", TITLE, _text(rows), blocks, lead)
 
 
@@ -142,8 +145,7 @@ def _profiles(rows: pd.DataFrame, results: Results, timed: set[str]) -> Picture:
     """Data profiles of the methods that have a curve of times."""
     chosen = rows[rows["solver"].isin(timed)]
     panels = data_profiles(chosen)
-    names = short_labels(methods_of(results.rows)) | {EXACT: "search with a proof"}
-    palette = palette_of(results, names)
+    palette = palette_of(results, short_labels(methods_of(results.rows)))
     return panels_picture(
         "routes-profile",
         "The share of routes that a method answers within a time, to three targets. Higher is more "
@@ -207,23 +209,22 @@ def second_opinion(rows: pd.DataFrame) -> str:
     )
 
 
-def _engines(results: Results) -> pd.DataFrame:
-    summary = solver_summary(results.attempts)
-    return summary[summary["solver"] != EXACT]
-
-
-def _timed(results: Results) -> set[str]:
+def _timed(engines: pd.DataFrame) -> set[str]:
     """The methods whose times are drawn: plug-ins', the search and the best of each formulation."""
-    engines = _engines(results)
     return {*own(engines["solver"]), EXACT, *best_methods(engines, ["formulation"])["solver"]}
 
 
-def _picture(cells: pd.DataFrame, strata: list[str], results: Results, timed: set[str]) -> Picture:
+def _picture(
+    cells: pd.DataFrame,
+    strata: list[str],
+    results: Results,
+    engines: pd.DataFrame,
+    timed: set[str],
+) -> Picture:
     """A map of success and gap for each stratum, and below it the times of some methods."""
     if cells["solver"].nunique() > _LINES:
-        summary = _engines(results)
         known = results.rows.groupby("solver", observed=True)["guesses"].first()
-        kinds = summary.assign(guesses=summary["solver"].map(known).fillna(""))
+        kinds = engines.assign(guesses=engines["solver"].map(known).fillna(""))
         kept = {*timed, *best_methods(kinds, ["formulation", "guesses"])["solver"]}
         cells = cells[cells["solver"].isin(kept)]
     return panels_picture(
