@@ -36,7 +36,7 @@ class Size(NamedTuple):
 # budget is raised only in the commit that adds what it is for.
 BUDGETS = {
     "study": 88_100,
-    "solvers": 76_500,
+    "solvers": 76_600,
     "asking": 5_500,
     "experiments": 37_900,
     "conformance": 11_800,

@@ -488,9 +488,12 @@ class SearchSolver(EngineSolver):
     """A solver whose engines begin at a guess, but for those that search a whole box."""
 
     initial_guess: str
+    restarts: bool
 
     def __post_init__(self) -> None:
         super().__post_init__()
+        if self.restarts and self.library.kind == NLP:
+            raise ValueError(f"restarts are of searches, which {self.engine} is not; leave it out")
         if self.initial_guess != "bearing" and not self.guided:
             raise ValueError(
                 f"initial_guess is {self.initial_guess!r}, but the engine {self.engine} searches "

@@ -6,18 +6,19 @@ The baseline of routes: what one would write first. The legs are the closed form
 from __future__ import annotations
 
 from dataclasses import dataclass
-from time import perf_counter
 from typing import ClassVar
 
-from dubins_study.solvers.protocol import Guarantee, Method, Question, Solution, Solver
+from dubins_study.solvers.protocol import Method
 from dubins_study.solvers.setting_checks import whole
+from dubins_study.solvers.tour.order import OrderFirst
 from dubins_study.solvers.tour.order_headings import headings_on_grid, polished
-from dubins_study.solvers.tour.places import Places, empty_path, places_of, tour_path
-from dubins_study.study.words import IN_ORDER, Claim
+from dubins_study.solvers.tour.places import Places
+from dubins_study.study.arrays import FloatArray
+from dubins_study.study.words import IN_ORDER
 
 
 @dataclass(frozen=True)
-class HeadingGrid(Solver):
+class HeadingGrid(OrderFirst):
     """Headings on a grid, exact legs between them; the best of that grid, which nothing bounds.
 
     Args:
@@ -30,7 +31,6 @@ class HeadingGrid(Solver):
     refine: bool = False
 
     name = "heading-grid"
-    guarantee = Guarantee.DISCRETISED
     takes = IN_ORDER
     summary = "headings on a grid, exact legs between them, by a dynamic program"
     keeps_limit = False  # only a grid that is refined looks at the clock
@@ -41,19 +41,9 @@ class HeadingGrid(Solver):
     def method(self) -> Method:
         return Method("grid of headings", "dynamic programming")
 
-    def build(self, question: Question) -> tuple[Question, Places]:
-        places = places_of(question.scenario)
-        headings_on_grid(places, list(range(places.count)), 1)  # loads the compiled loops
-        return question, places
-
-    def solve(self, model: tuple[Question, Places], limit: float) -> Solution:
-        question, places = model
-        if there := empty_path(question):
-            return there
-        until = perf_counter() + limit
+    def choose(self, places: Places, until: float) -> tuple[list[int], FloatArray]:
         order = list(range(places.count))
         headings = headings_on_grid(places, order, self.headings)
         if self.refine:
             headings = polished(places, order, headings, self.headings, until)
-        path = tour_path(question.scenario, places, order, headings)
-        return Solution(Claim.FEASIBLE, path=path, claimed_length=path.length)
+        return order, headings

@@ -67,6 +67,7 @@ class Headings(SearchSolver):
         options, tol, max_iter: as those of `nlp`; searches take no limits but `evaluations`.
         evaluations: of the length, at most, for each search; 0 for the engine's default
             (`solvers.engines`) times the number of unknown headings, at most 100 000.
+        restarts: whether a search that ends earlier begins anew until the evaluations are spent.
         trace: whether the best headings so far are kept, with the evaluations that found them.
     """
 
@@ -78,6 +79,7 @@ class Headings(SearchSolver):
     tol: float = tolerance()
     max_iter: int = iterations()
     evaluations: int = whole(0, 0, 10**6)
+    restarts: bool = False
     trace: bool = False
 
     name = "headings"
@@ -186,7 +188,7 @@ class Headings(SearchSolver):
             low, begin = guess - _HALF_TURN, np.full(k, _HALF_TURN)
         budget = self.evaluations or min(self.library.evaluations * k, _MOST_EVALUATIONS)
         function = CountedFunction(LengthInBox(route, low), budget, until)
-        result = Task(function, begin, random).search(self.engine, self.options)
+        result = Task(function, begin, random).search(self.engine, self.options, self.restarts)
         if self.trace:
             _add(trace, function, low)
         return result._replace(x=low + result.x)

@@ -67,6 +67,7 @@ class Penalty(SearchSolver):
         presolve: whether a word as branch that cannot exist is answered without a search.
         options: whose choice the engine's options are, `equal`, `default` or `tuned`
             (docs/engines.md).
+        restarts: whether a search that ends earlier begins anew until the evaluations are spent.
     """
 
     engine: str = one_of("differential-evolution", _ENGINES)
@@ -81,6 +82,7 @@ class Penalty(SearchSolver):
     seed: int = whole(0, 0, 10**9)
     presolve: bool = False
     options: str = option_set()
+    restarts: bool = False
 
     name = "penalty"
     guarantee = Guarantee.STOCHASTIC
@@ -148,7 +150,7 @@ class Penalty(SearchSolver):
         begin = None
         if guess is not None:
             begin = np.clip(guess[list(case.subproblem.free)], 0.0, penalised.upper)
-        result = Task(function, begin, random).search(self.engine, self.options)
+        result = Task(function, begin, random).search(self.engine, self.options, self.restarts)
         z = penalised.lengths(function.best)
         point, missed = z, _miss(case, z)
         if self.polish and np.isfinite(z).all():

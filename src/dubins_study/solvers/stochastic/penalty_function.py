@@ -137,16 +137,31 @@ class Task(NamedTuple):
         """Upper bounds of the variables, shape (n,); the lower ones are 0."""
         return self.function.function.upper
 
+    def _elsewhere(self) -> Task:
+        """The task from a uniform point, if it has a guess."""
+        if self.guess is None:
+            return self
+        return self._replace(guess=self.upper * self.random.uniform(size=self.upper.size))
+
     @property
     def bounds(self) -> list[tuple[float, float]]:
         """The box, as SciPy takes it."""
         return [(0.0, float(high)) for high in self.upper]
 
-    def search(self, engine: str, options: str = OPTION_SETS[0]) -> EngineResult:
-        """Let an engine minimise; how that ended, with the best point that was evaluated."""
+    def search(
+        self, engine: str, options: str = OPTION_SETS[0], restarts: bool = False
+    ) -> EngineResult:
+        """Let an engine minimise; how that ended, with the best point that was evaluated.
+
+        With `restarts` an engine that ends earlier begins anew until the evaluations are spent, if
+        it takes a guess from a uniform point.
+        """
         claim = Claim.FEASIBLE
+        run: Search = ENGINES[engine].load()(options=options)
         try:
-            message: str = ENGINES[engine].load()(options=options)(self)
+            message = run(self)
+            while restarts:
+                message = run(self._elsewhere())
         except SearchEndError as end:
             claim, message = Claim.LIMIT, str(end)
         if self.function.evaluations >= self.function.budget:  # the engine counts as well

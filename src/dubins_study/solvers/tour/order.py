@@ -5,6 +5,7 @@ The baseline of tours: an order that knows nothing of the turning radius.
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from dataclasses import dataclass
 from time import perf_counter
 
@@ -21,8 +22,31 @@ from dubins_study.study.words import NEEDS, Claim
 _EUCLIDEAN, _ALTERNATING = _ORDERS = ("euclidean", "alternating")
 
 
+class OrderFirst(Solver):
+    """An order of the points and a heading at each, exact legs between them."""
+
+    guarantee = Guarantee.DISCRETISED
+
+    def build(self, question: Question) -> tuple[Question, Places]:
+        places = places_of(question.scenario)
+        headings_on_grid(places, list(range(places.count)), 1)  # loads the compiled loops
+        return question, places
+
+    def solve(self, model: tuple[Question, Places], limit: float) -> Solution:
+        question, places = model
+        if there := empty_path(question):
+            return there
+        order, headings = self.choose(places, perf_counter() + limit)
+        path = tour_path(question.scenario, places, order, headings)
+        return Solution(Claim.FEASIBLE, path=path, claimed_length=path.length)
+
+    @abstractmethod
+    def choose(self, places: Places, until: float) -> tuple[list[int], FloatArray]:
+        """The order of the places, and the headings there and at the end."""
+
+
 @dataclass(frozen=True)
-class TourOrder(Solver):
+class TourOrder(OrderFirst):
     """The shortest order by straight lines, then headings.
 
     The order is exact up to 12 via points, beyond that the best that reversed parts and moved
@@ -38,7 +62,6 @@ class TourOrder(Solver):
     headings: int = whole(72, 4, 1000)
 
     name = "tour-order"
-    guarantee = Guarantee.DISCRETISED
     takes = frozenset(NEEDS)
     summary = "tours: the order by straight lines, then the headings"
     variants = ("tour-order[order=alternating]",)
@@ -47,24 +70,12 @@ class TourOrder(Solver):
     def method(self) -> Method:
         return Method("order then headings", "dynamic programming")
 
-    def build(self, question: Question) -> tuple[Question, Places]:
-        places = places_of(question.scenario)
-        headings_on_grid(places, list(range(places.count)), 1)  # loads the compiled loops
-        return question, places
-
-    def solve(self, model: tuple[Question, Places], limit: float) -> Solution:
-        question, places = model
-        if there := empty_path(question):
-            return there
-        until = perf_counter() + limit
+    def choose(self, places: Places, until: float) -> tuple[list[int], FloatArray]:
         order = euclidean_order(places, until)
         if self.order == _ALTERNATING:
-            headings = _alternating(places, order)
-        else:
-            headings = headings_on_grid(places, order, self.headings)
-            headings = polished(places, order, headings, self.headings, until)
-        path = tour_path(question.scenario, places, order, headings)
-        return Solution(Claim.FEASIBLE, path=path, claimed_length=path.length)
+            return order, _alternating(places, order)
+        headings = headings_on_grid(places, order, self.headings)
+        return order, polished(places, order, headings, self.headings, until)
 
 
 def _alternating(places: Places, order: list[int]) -> FloatArray:
