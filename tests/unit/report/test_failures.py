@@ -126,6 +126,17 @@ def test_no_share_counts_them(load_rows, undecided):
     assert success(results.rows).sum() == 3
 
 
+def test_an_open_question_is_left_out_for_every_solver(load_rows):
+    """A good answer there is undecided and no trial; a bad one must be none either."""
+    rows = rows_with(1)
+    rows.append(rows[-1] | {"solver": "slsqp", "verdict": "longer"})
+    attempts = load_rows("run", rows).attempts
+
+    assert attempts["answerable"].tolist() == [True] * 3 + [False] * 2
+    assert attempts["left_open"].tolist() == [False] * 3 + [True] * 2
+    assert existence(attempts).empty
+
+
 def test_a_comparison_leaves_them_out(load_rows):
     """A question that was right and is undecided now is not lost."""
     base, new = load_rows("base", rows_with(0)), load_rows("new", rows_with(2)[1:])

@@ -1,4 +1,4 @@
-"""The sections on routes: numbers by hand, what is undecided, published lengths, searches."""
+"""The sections on routes: numbers by hand, what is open, published lengths, searches."""
 
 from importlib.resources import files
 
@@ -36,7 +36,7 @@ def row(number, solver, legs, verdict="optimal", label=SHORT, gap=0.0, **changes
 
 
 def rows():
-    """Of `a` three routes of 3 legs: right, longer, undecided; of 1 leg right and not returned."""
+    """Of `a` three routes of 3 legs: right, longer, open; of 1 leg right and not returned."""
     gone = {"scenario_id": "lost", "label": SHORT, "formulation": "headings"}
     return [
         row(0, "a", 3),
@@ -45,41 +45,40 @@ def rows():
         row(0, "a", 1),
         lost(paper_scenarios()[0], "a", **gone),
         *(row(number, "b", 3, label=FAR) for number in range(3)),
-        row(0, "analytic", 3, "undecided", gap=1e-3, claim=Claim.FEASIBLE, engine="closed form"),
+        row(2, "analytic", 3, "undecided", gap=1e-3, claim=Claim.FEASIBLE, engine="closed form"),
         row(1, "analytic", 3, claim=Claim.OPTIMAL, engine="closed form"),
     ]
 
 
 def test_numbers_by_hand(load_rows):
-    """Who does not arrive has an infinite gap; who is undecided is no trial, but has a gap."""
+    """Who does not arrive has an infinite gap; an open route is no trial, but has a gap."""
     results = load_rows("routes", rows())
     cells = by_size(with_legs(results.rows)).set_index(["solver", "label", "legs"])
     section = routes_section(results)
     picture, _ = section.blocks
     three, one = cells.loc[("a", SHORT, 3)], cells.loc[("a", SHORT, 1)]
 
-    assert (three["successes"], three["trials"], three["undecided"]) == (1, 2, 1)
+    assert (three["successes"], three["trials"], three["left_open"]) == (1, 2, 1)
     assert (three["low"], three["high"]) == pytest.approx((0.0945, 0.9055), abs=5e-5)
     assert (three["gap"], three["wall_s"]) == (0.1, 0.25)
-    assert (one["successes"], one["trials"], one["undecided"]) == (1, 2, 0)
+    assert (one["successes"], one["trials"], one["left_open"]) == (1, 2, 0)
     assert cells.loc[("analytic", SHORT, 3), "trials"] == 1
     assert len(cells) == 4
-    assert "Undecided are 2 of 10 attempts" in section.text
+    assert "1 of 8 routes are open" in section.text
     assert "closes 1 of its 2 attempts" in section.text
     written = {text.get_text() for ax in picture.figure.axes for text in ax.texts}
     assert {"1/2?", "1/2", "3/3", "1/1?"} <= written
 
 
 def test_a_repeat_is_a_part_of_a_route(load_rows):
-    """Two right answers of three are 2/3 of one trial; routes with undecided repeats are counted
-    once."""
+    """Two right answers of three are 2/3 of one trial; open routes are counted once."""
     verdicts = ["optimal", "optimal", "longer"]
     made = [row(0, "a", 2, verdict, repeat=n) for n, verdict in enumerate(verdicts)]
     made += [row(1, "a", 2, "undecided", repeat=n) for n in range(3)]
     (line,) = by_size(with_legs(load_rows("routes", made).rows)).to_dict("records")
 
     assert (line["successes"], line["trials"]) == (pytest.approx(2 / 3), 1)
-    assert line["undecided"] == 1
+    assert line["left_open"] == 1
 
 
 def bounds_of_gdip():

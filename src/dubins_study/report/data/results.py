@@ -64,11 +64,10 @@ class Folder:
 class Results:
     """The attempts of one or more folders.
 
-    `rows` has one row per attempt, with the scalar columns of `study.rows.schema`, `experiment`,
-    `answerable` (the question has an answer, so that a gap can be measured) and `late` (it took
-    longer than its limit: a failure); its index is that of `controls`, which holds the questions
-    that solvers do not take too. In a selection (`only`) the other fields but `folders`,
-    `untaken` and `elsewhere` are unchanged.
+    `rows` has one row per attempt, with the scalar columns of `study.rows.schema` and those that
+    `select_attempts` adds. Its index is that of `controls`, which holds the questions that solvers
+    do not take too. In a selection (`only`) the other fields but `folders`, `untaken` and
+    `elsewhere` are unchanged.
     """
 
     folders: tuple[Folder, ...]  # in the order of the arguments
@@ -216,7 +215,7 @@ def _selected(stored: Sequence[_Stored]) -> tuple[pa.Table, list[RowCounts]]:
 def _joined(stored: Sequence[_Stored]) -> Results:
     manifests = [each.manifest for each in stored]
     rows, counts = _selected(stored)
-    added = ["experiment", "answerable", "late", "elsewhere"]
+    added = ["experiment", "answerable", "left_open", "late", "elsewhere"]
     every = rows.select([*added, *_SCALARS]).to_pandas()
     untaken = every["outcome"] == UNTAKEN
     elsewhere = every[every["elsewhere"] & ~untaken]

@@ -17,6 +17,7 @@ from dubins_study.study.scenario import COLUMNS
 from dubins_study.study.scenario_frame import scenario_of
 
 _CELL = ["experiment", *names(CELL)]
+_QUESTION = ["experiment", "scenario_id", "branch"]
 _READ = dict.fromkeys(
     [
         *(*names(CELL), "code_digest", *JUDGED, "gap", "reference_word", "region", *COLUMNS),
@@ -51,11 +52,17 @@ def select_attempts(
     """The rows that count of the folders' tables of rows, and the counts of each folder.
 
     Where two folders hold the same cell, the earlier one's row counts. Where `limit_s` is missing,
-    it is the manifest's. Four columns are added: `experiment`; `answerable`, whether the question
-    has an answer, so that a gap can be measured; `late`, whether the attempt took longer than its
-    limit: it is then a failure, whatever it answered, in shares and in means alike; and
-    `elsewhere`, whether it was made on another machine than most rows of its experiment's first
-    folder: times of one suite are compared with each other, and suites may be of several machines.
+    it is the manifest's. Five columns are added:
+
+    experiment: its name;
+    answerable: whether the question has an answer and is not open;
+    left_open: whether the check could not decide an answer to the question. No attempt at it
+        counts, since a good answer could not be told from a bad one;
+    late: whether the attempt took longer than its limit. It is then a failure, whatever it
+        answered, in shares and in means alike;
+    elsewhere: whether it was made on another machine than most rows of its experiment's first
+        folder. Times of one suite are compared with each other, and suites may be of several
+        machines.
     """
     stored = pa.concat_tables(tables)
     rows = stored.select(list(_READ)).to_pandas()
@@ -69,9 +76,12 @@ def select_attempts(
     stated = {n: m.time_limit_s or np.nan for n, m in enumerate(manifests)}
     limits = shown["limit_s"].fillna(shown["folder"].map(stated))
     own = shown["experiment"].map(_own_machines(shown))
+    undecided = shown["verdict"].eq("undecided")
+    left_open = undecided.groupby([shown[name] for name in _QUESTION]).transform("any")
     added = {
         "experiment": shown["experiment"],
-        "answerable": _answerable(shown),
+        "answerable": _answerable(shown) & ~left_open,
+        "left_open": left_open,
         "late": shown["wall_s"] > limits,
         "elsewhere": shown["machine"].notna() & shown["machine"].ne(own),
     }
@@ -128,10 +138,9 @@ def _row_counts(current: pd.Series[bool], pairs: pd.DataFrame, gap_tolerance: fl
 
 
 def _answerable(rows: pd.DataFrame) -> pd.Series[bool]:
-    """Whether each row counts as an attempt at a question that has an answer.
+    """Whether each row's question has an answer.
 
-    One whose verdict is `undecided` does not, since nobody knows whether it is right. A judged row
-    has a reference word if its question has an answer.
+    A judged row has a reference word if its question has an answer.
 
     For a row that was not judged, the closed form decides. Every route has an answer, and so has
     every leg with a final heading: for `best`, and for the words that reach every pose.
@@ -143,7 +152,7 @@ def _answerable(rows: pd.DataFrame) -> pd.Series[bool]:
         for place, row in zip(unjudged.index, unjudged.to_dict("records"), strict=True)
         if _has_answer(row)
     ]
-    return (judged | rows.index.isin(answerable)) & rows["verdict"].ne("undecided")
+    return judged | rows.index.isin(answerable)
 
 
 def _has_answer(row: Mapping[Any, Any]) -> bool:

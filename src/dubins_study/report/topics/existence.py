@@ -8,7 +8,6 @@ import pandas as pd
 from dubins_study.report.data.attempts import (
     PRESOLVED,
     SUCCESSES,
-    UNDECIDED,
     is_true,
     methods,
     questions,
@@ -40,7 +39,7 @@ def existence(attempts: pd.DataFrame) -> pd.DataFrame:
     there, verdict, false = attempts["answerable"], attempts["verdict"], attempts["false_claim"]
     local = attempts["claim"].eq(Claim.LOCALLY_INFEASIBLE)
     conditions = {
-        "": there | verdict.eq(UNDECIDED),
+        "": there | attempts["left_open"],
         "presolved": verdict.eq(PRESOLVED),
         "unasked": attempts["outcome"].eq("unavailable"),
         "right": verdict.isin(SUCCESSES) & ~local,

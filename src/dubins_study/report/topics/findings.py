@@ -24,6 +24,7 @@ from dubins_study.report.topics.findings_evidence import (
     Pair,
 )
 from dubins_study.report.topics.findings_routes import growth, proof_of_routes, where_engines_stop
+from dubins_study.report.topics.findings_tours import grid_optima
 from dubins_study.study.kinds.table import BRANCHES_WITHOUT_PATH
 
 WORDS, JOINT = "one NLP a word", "joint NLP, both orders"
@@ -210,6 +211,7 @@ FINDINGS: tuple[Callable[[Evidence], Finding | None], ...] = (
     proof_of_routes,
     where_engines_stop,
     growth,
+    grid_optima,
     blind_start,
     words_against_joint,
     presolve,
@@ -244,7 +246,7 @@ def _found(results: Results) -> list[Finding]:
     for name in names:
         attempts = compared(results.only({name}))
         if attempts is not None:
-            suites[name] = Evidence(attempts, len(FINDINGS) * len(names))
+            suites[name] = Evidence(attempts, len(FINDINGS) * len(names), results.settings)
     every = []
     for find in FINDINGS:
         for name, evidence in suites.items():

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from functools import cached_property
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
 
-from dubins_study.report.data.attempts import EXACT, UNDECIDED
+from dubins_study.report.data.attempts import EXACT
 from dubins_study.report.elements.formats import Format, digits, seconds, share, some
 from dubins_study.report.elements.identity import with_interval
 from dubins_study.report.statistics.intervals import (
@@ -94,28 +94,22 @@ class Evidence:
     Args:
         compared: the attempts.
         of: of how many findings an estimate is one: their intervals all hold at once.
+        settings: of each solver, those left out of its spec too.
     """
 
-    def __init__(self, compared: Compared, of: int = 1) -> None:
-        self.compared, self.of = compared, of
+    def __init__(
+        self, compared: Compared, of: int = 1, settings: dict[str, dict[str, Any]] | None = None
+    ) -> None:
+        self.compared = compared
+        self.of = of
+        self.settings = settings or {}
         rows = compared.rows.groupby("solver", observed=True)
         self.methods = compared.engines.join(rows[["guesses", "presolve", "knows"]].first())
 
     @cached_property
-    def decided(self) -> pd.DataFrame:
-        """The attempts at questions with a path, without those that the check leaves open.
-
-        There a good answer would be no trial, and a bad one would be.
-        """
-        rows = self.compared.rows
-        left_open = rows.loc[rows["verdict"].eq(UNDECIDED), "question"].unique()
-        answerable = self.compared.answerable
-        return answerable[~answerable["question"].isin(left_open)]
-
-    @cached_property
     def rates(self) -> pd.DataFrame:
         """Share of right repeats: questions by solvers; NaN where the solver was not asked."""
-        rows = self.decided
+        rows = self.compared.answerable
         right = rows["right"].astype(float)
         return right.groupby([rows["question"], rows["solver"]]).mean().unstack()
 
@@ -148,7 +142,7 @@ class Evidence:
     @cached_property
     def usual(self) -> pd.DataFrame:
         """The methods that met nearly all questions; the others would compare the questions."""
-        return self.met_most(self.decided)
+        return self.met_most(self.compared.answerable)
 
     def met_most(self, rows: pd.DataFrame) -> pd.DataFrame:
         """The methods that met nearly all questions of some attempts."""

@@ -29,7 +29,7 @@ _RESAMPLES, _SEED = 20_000, 0
 
 def routes_of(evidence: Evidence) -> pd.DataFrame:
     """The attempts at routes of at least two legs that are not left open, with a column legs."""
-    return _of_several_legs(evidence.decided)
+    return _of_several_legs(evidence.compared.answerable)
 
 
 def _surest(evidence: Evidence, rows: pd.DataFrame) -> pd.DataFrame:

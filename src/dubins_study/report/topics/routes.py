@@ -17,7 +17,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Circle, Patch
 from matplotlib.ticker import NullLocator
 
-from dubins_study.report.data.attempts import EXACT, TRIAL, UNDECIDED, is_true, legs_of, own
+from dubins_study.report.data.attempts import EXACT, TRIAL, is_true, legs_of, own
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.content import (
     General,
@@ -74,27 +74,26 @@ _LINES = 20  # of more, the surest engine of each formulation and kind of guess 
 
 
 def with_legs(rows: pd.DataFrame) -> pd.DataFrame:
-    """The rows with columns legs (their number), right and undecided."""
-    undecided = rows["verdict"].eq(UNDECIDED)
-    return rows.assign(legs=legs_of(rows), right=success(rows), undecided=undecided)
+    """The rows with columns legs (their number) and right."""
+    return rows.assign(legs=legs_of(rows), right=success(rows))
 
 
 def by_size(rows: pd.DataFrame, size: str = "legs", success: str = "right") -> pd.DataFrame:
     """One row per solver, stratum and size, such as the number of legs.
 
-    Columns solver, label and the size; those of `scenario_shares`, of the routes that are decided;
-    undecided (routes); gap (median over attempts, infinite if most do not arrive; of an undecided
-    attempt an upper bound); wall_s (median of all attempts).
+    Columns solver, label and the size; those of `scenario_shares`, without open routes; left_open
+    (their number); gap (median over attempts, infinite if most do not arrive; of an open route an
+    upper bound); wall_s (median of all attempts).
     """
     cell = ["solver", "label", size]
     groups = rows.fillna({"gap": np.inf}).groupby(cell)
     frame = pd.DataFrame({"wall_s": groups["wall_s"].median()})
     frame["gap"] = groups["gap"].agg(upper_quantile, q=0.5)
-    undecided = rows["undecided"]
-    frame["undecided"] = rows[undecided].groupby(cell)["scenario_id"].nunique()
-    decided = scenario_shares(rows[~undecided], by=cell, success=success, scenario=TRIAL)
+    left_open = rows["left_open"]
+    frame["left_open"] = rows[left_open].groupby(cell)["scenario_id"].nunique()
+    decided = scenario_shares(rows[~left_open], by=cell, success=success, scenario=TRIAL)
     frame = frame.join(decided)
-    return frame.fillna({"successes": 0, "trials": 0, "undecided": 0}).reset_index()
+    return frame.fillna({"successes": 0, "trials": 0, "left_open": 0}).reset_index()
 
 
 def routes_section(results: Results) -> Section | None:
@@ -124,8 +123,8 @@ _TIMES = np.geomspace(1e-4, 1e2, 121)  # s, twenty to a decade
 def data_profiles(rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
     """By target: shares of the questions reached within a time (s), the best solver first.
 
-    Reached: an answer in time whose proven gap is at most the target; what is undecided has an
-    upper bound as its gap. (Moré and Wild 2009, SIAM J. Optim. 20, with targets of the truth.)
+    Reached: an answer in time whose proven gap is at most the target. Of an open route the gap is
+    an upper bound. (Moré and Wild 2009, SIAM J. Optim. 20, with targets of the truth.)
     """
     in_time = rows["wall_s"].mask(is_true(rows["late"]))
     panels = {}
@@ -162,12 +161,13 @@ def _profiles(rows: pd.DataFrame, results: Results, timed: set[str]) -> Picture:
 
 
 def _text(rows: pd.DataFrame) -> str:
-    """How many answers are undecided, and how many the search proves."""
-    undecided = ""
-    if rows["undecided"].any():
-        undecided = (
-            f"Undecided are {count(rows['undecided'].sum())} of {count(len(rows))} attempts: the "
-            "check does not know the shortest length well enough, and they enter no share."
+    """How many routes are open, and how many attempts the search proves."""
+    routes = rows.groupby("scenario_id")["left_open"].any()
+    left_open = ""
+    if routes.any():
+        left_open = (
+            f"{count(routes.sum())} of {count(len(routes))} routes are open: the check does not "
+            "know their shortest length well enough, and no share counts them."
         )
     proved = ""
     closed = rows.loc[rows["solver"] == EXACT, "claim"].eq("optimal")
@@ -179,7 +179,7 @@ def _text(rows: pd.DataFrame) -> str:
     return sentences(
         "Right: the path passes all points in order, and its proven gap is within the run's "
         "tolerance.",
-        undecided,
+        left_open,
         proved,
         second_opinion(rows),
     )
@@ -229,7 +229,7 @@ def _picture(
         cells = cells[cells["solver"].isin(kept)]
     return panels_picture(
         "routes",
-        "Above: 5/6 means right on five of six routes (?: others are undecided); darker: longer "
+        "Above: 5/6 means right on five of six routes (?: others are open); darker: longer "
         "paths at the median. One row a formulation and guess, with its best-supported engine. "
         "Below: median times of these engines, failures included; an engine's floor is at most its "
         "time at one leg. Dotted: the limit.",
@@ -330,7 +330,7 @@ def plot_success(
     )
     draw_kinds(ax, placed, marks)
     for cell in placed.to_dict("records"):
-        text = "?" if cell["undecided"] else ""
+        text = "?" if cell["left_open"] else ""
         if cell["trials"]:
             text = f"{questions(cell['successes'])}/{questions(cell['trials'])}{text}"
         style: Style = {"ha": "center", "va": "center", "fontsize": 5.5}

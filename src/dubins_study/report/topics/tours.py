@@ -39,11 +39,11 @@ GAPS = {
     math.inf: Mark("most have no tour", colour="#2f4c69"),
 }
 # formulations of whose program an engine proves an optimum, and one that is the question itself
-_PROVING = ("tour MILP", "tour circuit")
+PROVING = ("tour MILP", "tour circuit")
 _DISJUNCTION = "disjunction"
 _STRAIGHT_FIRST = "order then headings"  # the formulation of both orders by straight lines
 # What proved tours are compared with.
-_BEST_OF_GRID = "best tour of"
+BEST_OF_GRID = "best tour of"
 _STRAIGHT = "order by straight lines, best headings"
 _ALTERNATING = "that order, every other leg straight"
 # how the engines' words for an optimum of their program end, in small letters
@@ -65,7 +65,7 @@ def with_points(rows: pd.DataFrame) -> pd.DataFrame:
     solved = rows["native_status"].fillna("").str.lower().str.endswith(_OPTIMAL)
     proved = rows["claim"].eq(Claim.OPTIMAL) & rows["verdict"].eq("optimal")
     of_question = rows["solver"].eq(EXACT) | rows["formulation"].eq(_DISJUNCTION)
-    ended = proved.where(of_question, solved & rows["formulation"].isin(_PROVING))
+    ended = proved.where(of_question, solved & rows["formulation"].isin(PROVING))
     high = rows["reference_high"]
     below = (high - rows["lower_bound"]).clip(lower=0.0) / high
     told = rows["message"].fillna("").str.extract(_OWN_GAP, expand=False)
@@ -83,7 +83,7 @@ def by_points(rows: pd.DataFrame) -> pd.DataFrame:
     Of a method that proves nothing they are 0 of 0. The gap is an upper bound where the shortest
     length is not proved.
     """
-    cells = by_size(rows.assign(undecided=False), "points", "closes")
+    cells = by_size(rows.assign(left_open=False), "points", "closes")
     proves = cells["solver"].isin(provers(rows))
     numbers = ["successes", "trials"]
     return cells.assign(**{name: cells[name].where(proves, 0) for name in numbers})
@@ -91,7 +91,7 @@ def by_points(rows: pd.DataFrame) -> pd.DataFrame:
 
 def provers(rows: pd.DataFrame) -> set[str]:
     """The solvers that prove anything."""
-    proving = rows["solver"].eq(EXACT) | rows["formulation"].isin((*_PROVING, _DISJUNCTION))
+    proving = rows["solver"].eq(EXACT) | rows["formulation"].isin((*PROVING, _DISJUNCTION))
     return set(rows["solver"][proving])
 
 
@@ -177,7 +177,7 @@ def _kind_of(row: dict[Hashable, Any], settings: dict[str, dict[str, Any]]) -> s
     if row["formulation"] == _STRAIGHT_FIRST:
         return _ALTERNATING if own.get("order") == "alternating" else _STRAIGHT
     if row["closes"] and own.get("costs") == "lengths" and not own.get("polish"):
-        return f"{_BEST_OF_GRID} {own['headings']} headings"
+        return f"{BEST_OF_GRID} {own['headings']} headings"
     return ""
 
 
@@ -217,7 +217,7 @@ def _text(rows: pd.DataFrame, compared: pd.DataFrame) -> str:
             "within its limit."
         )
     refuted = ""
-    grids = compared[compared["kind"].str.startswith(_BEST_OF_GRID)]
+    grids = compared[compared["kind"].str.startswith(BEST_OF_GRID)]
     if len(grids):
         refuted = (
             f"Of {count(len(grids))} proved optima of a grid "

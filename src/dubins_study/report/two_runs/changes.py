@@ -44,7 +44,7 @@ def unpaired(base: Results, new: Results, pairs: pd.DataFrame) -> pd.DataFrame:
 
 
 def _questions(results: Results) -> pd.DataFrame:
-    rows = results.rows[results.rows["verdict"].ne("undecided")]
+    rows = results.rows[~results.rows["left_open"]]
     false = rows["false_claim"].eq(True) | rows["false_bound"].eq(True)
     attempts = rows[[*_PAIR, *_SHARED, "gap"]].assign(
         right=success(rows).fillna(False).astype(float),
