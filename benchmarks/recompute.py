@@ -20,8 +20,8 @@ from typing import Any, NamedTuple
 import numpy as np
 import pandas as pd
 
-SUITES = ("benchmark-leg", "benchmark-pose", "benchmark-route")
-FOLDERS = {"benchmark-leg": "leg", "benchmark-pose": "pose", "benchmark-route": "route"}
+TOURS = "benchmark-tour"
+SUITES = ("benchmark-leg", "benchmark-pose", "benchmark-route", TOURS)
 _Z = 1.959963984540054
 _NEAR = 0.1 * (1 + 1e-6)  # radii
 
@@ -39,20 +39,22 @@ class Number(NamedTuple):
 
 
 def read(folder: Path) -> pd.DataFrame:
-    """The rows of the suites of paths, with `right`, `question` and `made`."""
+    """The rows of the suites of paths and tours, with `right`, `question` and `made`."""
     frames = []
     for suite in SUITES:
-        parts = sorted((folder / FOLDERS[suite] / "parts").glob("*.parquet"))
+        parts = sorted((folder / suite.removeprefix("benchmark-") / "parts").glob("*.parquet"))
         frames.append(pd.concat([pd.read_parquet(part) for part in parts]).assign(suite=suite))
     rows = pd.concat(frames, ignore_index=True)
     rows = rows[(rows["initial_guess"] == "cold") & (rows["outcome"] != "unavailable")]
     rows = rows[rows["outcome"] != "unsupported"]
     late = rows["wall_s"] > rows["limit_s"]
+    undecided = rows["verdict"].eq("undecided")
+    left_open = undecided.groupby([rows["suite"], rows["scenario_id"], rows["branch"]])
     exists = rows.groupby(["scenario_id", "branch"])["reference_low"].transform("count") > 0
     return rows.assign(
         right=rows["verdict"].eq("optimal") & ~late,
         late=late & rows["verdict"].isin(["optimal", "none exists"]),
-        path=exists & rows["verdict"].ne("undecided"),
+        path=exists & ~left_open.transform("any"),
         question=rows["scenario_id"] + rows["branch"],
         made=rows["outcome"] != "not_asked",
     )
@@ -171,14 +173,32 @@ def findings(rows: pd.DataFrame, page: str) -> Iterator[Number]:
     yield Number("seconds for the longest", printed, seconds)
 
 
+def grids(rows: pd.DataFrame, page: str) -> Iterator[Number]:
+    """How many proved optima of a grid of eight headings are longer than the proved tour."""
+    in_time = rows["path"] & ~(rows["wall_s"] > rows["limit_s"])
+    exact = rows["solver"].eq("analytic") & rows["claim"].eq("optimal") & rows["right"]
+    proved = set(rows.loc[exact, "scenario_id"])
+    program = rows["formulation"].isin(["tour MILP", "tour circuit"])
+    eight = rows["solver"].str.contains("headings=8") & ~rows["solver"].str.contains("bounds")
+    status = rows["native_status"].fillna("").str.lower()
+    solved = status.str.endswith(("optimal", "gaplimit", "glp_opt", "glp_emipgap"))
+    chosen = rows[in_time & program & eight & solved & rows["scenario_id"].isin(proved)]
+    optima = chosen.drop_duplicates("scenario_id")
+    printed = one(r"with 8 headings a point, ([\d.]+ %)", text_of(page, "findings"))
+    found = percent(float(optima["verdict"].eq("longer").mean())) if len(optima) else "-"
+    yield Number("optima of a grid that are longer", printed, found)
+
+
 def main(arguments: list[str]) -> int:
     """Print every number twice; 1 if two differ."""
     results, report = Path(arguments[0]), Path(arguments[1])
     rows: Any = read(results)
     page = (report / "index.html").read_text(encoding="utf-8")
-    numbers = [*belief(rows, page), *decision(rows, report), *findings(rows, page)]
+    paths = rows[rows["suite"] != TOURS]
+    numbers = [*belief(paths, page), *decision(paths, report), *findings(paths, page)]
+    numbers += grids(rows[rows["suite"] == TOURS], page)
     text = Path("README.md").read_text(encoding="utf-8")
-    numbers += readme(rows, text)
+    numbers += readme(paths, text)
     for number in numbers:
         mark = "  " if number.same else "! "
         print(f"{mark}{number.name}: {number.printed} | {number.found}")

@@ -11,11 +11,11 @@ from typing import Any
 
 import pandas as pd
 import psutil
-from live_run import wait_for
 
 from dubins_study import run
 from dubins_study.experiments.store.folder import read_rows
 from tests.faults.launch import lasting
+from tests.live_run import wait_for
 
 
 def assert_same(one: Path, other: Path) -> None:

@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from marked import kill_all, marked
+from tests.marked import kill_all, marked
 
 SLOW = """
 import time

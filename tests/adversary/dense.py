@@ -10,9 +10,9 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
-from cases import walked
 
 from tests.adversary.leg_lengths import length_table, route_length
+from tests.cases import walked
 
 Array = Any  # numpy arrays
 Rng = np.random.Generator

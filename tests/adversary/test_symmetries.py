@@ -9,7 +9,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from cases import walked
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
@@ -17,6 +16,7 @@ from dubins_study.study.check.visits import visits
 from dubins_study.study.kinds.table import reference_of
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.tolerances import Tolerances
+from tests.cases import walked
 
 QUICK = Tolerances(search_s=0.1)  # in which nine of ten of these routes close
 NARROW = 2e-9  # relative; what a search asks for, twice

@@ -7,12 +7,12 @@ from pathlib import Path as FilePath
 from typing import Any
 
 import pytest
-from browser_report import small_report
-from browser_tab import DESK, Tab
 from playwright.sync_api import Browser, Page, sync_playwright
 
 from dubins_study import render
 from dubins_study.report.page.explorer import write_explorer
+from tests.browser_report import small_report
+from tests.browser_tab import DESK, Tab
 from tests.unit.report.topic_page import without_pdf_files
 
 

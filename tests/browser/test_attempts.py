@@ -11,12 +11,12 @@ from pathlib import Path as FilePath
 from typing import Any
 
 import pytest
-from browser_tab import PHONE
 
 from dubins_study import Scenario, solve
 from dubins_study.study.path import Path
 from dubins_study.study.scenario_frame import solve_command
 from dubins_study.study.words import Claim
+from tests.browser_tab import PHONE
 from tests.unit.report.results_folder import attempt, write_folder
 from tests.unit.report.topic_page import topic_page
 

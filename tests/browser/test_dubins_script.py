@@ -8,8 +8,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
-from cases import EDGES, PAPER, margin, placed
-from hard_cases import hard_frame
 
 from dubins_study import solve
 from dubins_study.report.page.environment import scripts
@@ -23,6 +21,8 @@ from dubins_study.study.path import Path as Driven
 from dubins_study.study.route.search import search
 from dubins_study.study.scenario import NUMBERS, Pose, Scenario
 from dubins_study.study.scenario_frame import scenarios
+from tests.cases import EDGES, PAPER, margin, placed
+from tests.hard_cases import hard_frame
 
 BRANCHES = ("LS", "RS", "LR", "RL")
 FIELDS = NUMBERS[:-1]  # the speed is no part of the question

@@ -9,13 +9,13 @@ from contextlib import redirect_stdout
 from io import StringIO
 
 import pytest
-from browser_tab import PHONE, agrees, number, scenario_in, shown, shown_best
 
 from dubins_study import Scenario, solve
 from dubins_study.report.page.explorer import PRESETS
 from dubins_study.study.angle import parse_angle
 from dubins_study.study.body_coordinates import local
 from dubins_study.study.closed_form.shortest import region_of, shortest
+from tests.browser_tab import PHONE, agrees, number, scenario_in, shown, shown_best
 
 # Of one leg with a free final heading; the others are tested with routes.
 ON_MAP = [preset for preset in PRESETS if ";" not in preset.text]

@@ -6,12 +6,12 @@ from itertools import combinations
 from typing import Any
 
 import pytest
-from browser_tab import DESK, PHONE, agrees, centre, drag, scenario_in
 
 from dubins_study import Scenario, solve
 from dubins_study.report.page.explorer import PRESETS
 from dubins_study.study.body_coordinates import local
 from dubins_study.study.closed_form.shortest import shortest
+from tests.browser_tab import DESK, PHONE, agrees, centre, drag, scenario_in
 
 
 @pytest.mark.slow

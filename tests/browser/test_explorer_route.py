@@ -9,7 +9,6 @@ from io import StringIO
 from typing import Any
 
 import pytest
-from browser_tab import PHONE, centre, drag, number, scenario_in
 from typer.testing import CliRunner
 
 from dubins_study import Scenario, solve
@@ -17,6 +16,7 @@ from dubins_study.cli.app import app
 from dubins_study.report.page.explorer import PRESETS
 from dubins_study.study.closed_form.pose import shortest_to_pose
 from dubins_study.study.scenario import Pose
+from tests.browser_tab import PHONE, centre, drag, number, scenario_in
 
 ROUTE = "0,0,30deg,10,5,1;via=4,1,6,-2;final=90deg"
 POSE = "0,0,30deg,4,1,1;final=180deg"

@@ -4,10 +4,10 @@ import re
 from pathlib import Path
 
 import pytest
-from browser_tab import DESK, PHONE, Tab
 
 from dubins_study import render
 from dubins_study.study.words import Claim
+from tests.browser_tab import DESK, PHONE, Tab
 from tests.unit.report.results_folder import attempt, paper_scenarios, write_folder
 
 LOST = [(scenario, solver) for scenario in paper_scenarios() for solver in ("slsqp", "ipopt")]

@@ -6,7 +6,8 @@ import sys
 from pathlib import Path
 
 import pytest
-from browser_tab import PHONE
+
+from tests.browser_tab import PHONE
 
 ROOT = Path(__file__).parents[2]
 DOCS = ROOT / "docs"

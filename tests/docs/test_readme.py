@@ -68,7 +68,7 @@ def right_of(spec: str) -> tuple[float, int]:
     [
         ("grid of headings", "HiGHS", "heading-milp"),
         ("disjunction", "SCIP", "disjunctive"),
-        ("penalty", "DIRECT", "penalty[engine=direct]"),
+        ("penalty", "differential evolution", "penalty"),
     ],
 )
 def test_a_share_is_that_of_the_rows(benchmark, formulation: str, engine: str, spec: str):

@@ -30,7 +30,15 @@ ROOT = DOCS.parent
 PACKAGE = ROOT / "src" / "dubins_study"
 FOLDER = files("dubins_study.experiments")
 SCHEMA = FOLDER / "experiment.schema.json"
-SUITES = ("convex", "route", "pose", "leg", "search", "proof")  # of which rows are committed
+SUITES = (
+    "convex",
+    "route",
+    "pose",
+    "leg",
+    "tour",
+    "search",
+    "proof",
+)  # of which rows are committed
 
 
 @pytest.mark.parametrize("name", packaged())

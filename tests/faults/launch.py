@@ -12,10 +12,10 @@ from typing import IO, Any, NamedTuple
 
 import pandas as pd
 import psutil
-from marked import alive, kill_all, left_behind, marked
 
 from dubins_study.experiments.store.folder import read_rows
 from dubins_study.study.rows.schema import KEY, names
+from tests.marked import alive, kill_all, left_behind, marked
 
 ROOT = Path(__file__).parents[2]
 HERE = Path(__file__).parent

@@ -6,9 +6,9 @@ import subprocess
 import sys
 
 import pytest
-from marked import left_behind, marked
 
 from tests.faults.launch import ROOT, experiment, spec
+from tests.marked import left_behind, marked
 
 HONEST = spec("honest", "Honest")
 

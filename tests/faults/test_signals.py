@@ -5,10 +5,10 @@ import signal
 import time
 
 import pytest
-from marked import wait_until_handled
 
 from dubins_study.experiments.store.folder import done
 from tests.faults.launch import experiment, rows, spec, started, study, until
+from tests.marked import wait_until_handled
 
 pytestmark = pytest.mark.slow
 HONEST = spec("honest", "Honest")

@@ -3,9 +3,9 @@
 from pathlib import Path
 
 import pytest
-from live_run import CELLS, quick_experiment
 
 from dubins_study import run
+from tests.live_run import CELLS, quick_experiment
 
 
 @pytest.fixture(scope="session")

@@ -8,13 +8,13 @@ import sys
 from pathlib import Path
 
 import pytest
-from cases import PAPER
-from live_run import interpreted, output
 
 from dubins_study.experiments.solve import solve
 from dubins_study.solvers.engines import ENGINES, NLP_ENGINES
 from dubins_study.solvers.export import export
 from dubins_study.study.words import Claim, Outcome, Verdict
+from tests.cases import PAPER
+from tests.live_run import interpreted, output
 from tests.unit.solvers.test_export import CASES, KINDS
 from tests.unit.solvers.test_global_minlp import INSTALLED
 from tests.unit.solvers.test_nlp_engines import ALONE

@@ -6,7 +6,6 @@ import shutil
 from pathlib import Path
 
 import pytest
-from live_run import finished, interpreted, output, quick_experiment
 
 from dubins_study.experiments import code_digest as digest_module
 from dubins_study.experiments.code_digest import code_digest, solver_sources
@@ -14,6 +13,7 @@ from dubins_study.experiments.store.folder import read_rows
 from dubins_study.report.data.results import load
 from dubins_study.solvers.registry import load as load_solver
 from dubins_study.solvers.registry import registered
+from tests.live_run import finished, interpreted, output, quick_experiment
 
 PACKAGE = Path(__file__).parents[2] / "src" / "dubins_study"
 ROOMS = {PACKAGE / "solvers", PACKAGE / "study"}

@@ -9,13 +9,13 @@ from contextlib import chdir
 from pathlib import Path
 
 import pytest
-from live_run import finished, output, quick_experiment
 
 from dubins_study import load_results
 from dubins_study.solvers.export import export
 from dubins_study.study.rows.schema import ROW, names
 from dubins_study.study.scenario import Scenario
 from tests.fuzz.watched import command
+from tests.live_run import finished, output, quick_experiment
 
 
 def dubins_here(*arguments: str, cwd=None) -> subprocess.CompletedProcess[str]:

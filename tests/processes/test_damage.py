@@ -9,7 +9,6 @@ from pathlib import Path
 import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
-from live_run import CELLS, finished, manifest, parts, quick_experiment
 
 from dubins_study import run, status
 from dubins_study.cli.status import status_text
@@ -19,6 +18,7 @@ from dubins_study.experiments.store.part_writer import write_part
 from dubins_study.report.data.results import load
 from dubins_study.study.rows.parts import ARROW_SCHEMA, ResultsError, read_part
 from dubins_study.study.rows.schema import RUN_ID, VERSION, VERSION_KEY
+from tests.live_run import CELLS, finished, manifest, parts, quick_experiment
 
 pytestmark = pytest.mark.smoke
 

@@ -12,9 +12,7 @@ import pytest
 
 pytest.importorskip("distributed", reason="Dask's distributed is not installed")
 
-import dask_here as here
 from distributed import Client
-from live_run import wait_for
 
 from dubins_study import run
 from dubins_study.experiments.definition.experiment import read
@@ -24,6 +22,8 @@ from dubins_study.experiments.isolation.pool import RunError
 from dubins_study.experiments.plan.cells import chains
 from dubins_study.experiments.plan.run_plan import RunSettings
 from dubins_study.experiments.store.folder import read_rows
+from tests import dask_here as here
+from tests.live_run import wait_for
 
 EXPERIMENT = """
 title = "dask"

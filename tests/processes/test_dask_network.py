@@ -10,13 +10,12 @@ import pytest
 
 pytest.importorskip("distributed", reason="Dask's distributed is not installed")
 
-import dask_here as here
-from live_run import TELLS_AND_NAPS, finished, started, wait_for
-from marked import wait_until_handled
-
 from dubins_study import run
 from dubins_study.experiments.isolation.pool import RunError
 from dubins_study.experiments.store.folder import done, read_rows
+from tests import dask_here as here
+from tests.live_run import TELLS_AND_NAPS, finished, started, wait_for
+from tests.marked import wait_until_handled
 
 ROOT = Path(__file__).parents[2]
 EXPERIMENT = """

@@ -6,14 +6,14 @@ import time
 from pathlib import Path
 
 import pytest
-from cases import PAPER
-from live_run import wait_for
 
 from dubins_study.experiments.solve import solve
 from dubins_study.solvers.engines import EXECUTABLES
 from dubins_study.solvers.registry import SolverError
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.words import Claim, Outcome, Verdict
+from tests.cases import PAPER
+from tests.live_run import wait_for
 
 pytestmark = pytest.mark.smoke
 

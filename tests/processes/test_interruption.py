@@ -7,11 +7,11 @@ import threading
 from pathlib import Path
 
 import pytest
-from live_run import manifest, quick_experiment, started, wait_for
 
 from dubins_study import run
 from dubins_study.experiments.interruption import Interruption
 from dubins_study.experiments.store.folder import done
+from tests.live_run import manifest, quick_experiment, started, wait_for
 
 
 @pytest.fixture

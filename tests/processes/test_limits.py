@@ -12,12 +12,12 @@ from pathlib import Path
 
 import pandas as pd
 import pytest
-from cases import PAPER, question_for, scenario_frame
-from marked import left_behind, marked
 
 from dubins_study import Scenario, Solver, solve, solve_frame
 from dubins_study.experiments.plan.solver_description import describe_solver
 from dubins_study.solvers.registry import available_solvers, load
+from tests.cases import PAPER, question_for, scenario_frame
+from tests.marked import left_behind, marked
 
 PLUGINS = Path(__file__).parent / "plugins_that_hang.py"
 EASY = PAPER["problem 1"]

@@ -9,10 +9,10 @@ from pathlib import Path
 
 import psutil
 import pytest
-from live_run import CELLS, finished, manifest, parts, slow_experiment, started, wait_for
 
 from dubins_study import status
 from dubins_study.experiments.store.folder import LOCK, done, is_locked, lock_holder
+from tests.live_run import CELLS, finished, manifest, parts, slow_experiment, started, wait_for
 
 pytestmark = pytest.mark.smoke
 

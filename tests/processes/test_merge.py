@@ -9,7 +9,6 @@ import pyarrow as pa
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from live_run import CELLS, finished, manifest, parts, slow_experiment, started, wait_for
 
 from dubins_study import merge, run, status
 from dubins_study.experiments.store.folder import read_rows
@@ -18,6 +17,7 @@ from dubins_study.experiments.store.part_writer import write_part
 from dubins_study.report.data.results import load
 from dubins_study.study.rows.parts import ARROW_SCHEMA, ResultsError, read_part, rows_table
 from dubins_study.study.rows.schema import KEY, ROW, RUN_ID, names
+from tests.live_run import CELLS, finished, manifest, parts, slow_experiment, started, wait_for
 
 pytestmark = pytest.mark.smoke
 

@@ -6,11 +6,11 @@ from importlib.metadata import packages_distributions, requires
 from pathlib import Path
 
 import pytest
-from live_run import interpreted, output
 from packaging.requirements import Requirement
 from packaging.utils import canonicalize_name
 
 from dubins_study.cli.terminal.missing import refuse_missing
+from tests.live_run import interpreted, output
 
 PAGE = Path(__file__).parents[2] / "docs" / "flights.md"
 POINTS = "x,y,name\n0,50,a\n40,80,b\n90,20,c\n-30,60,d\n"

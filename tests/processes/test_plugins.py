@@ -11,11 +11,11 @@ import venv
 from pathlib import Path
 
 import pytest
-from live_run import finished, interpreted, output
 
 from dubins_study import check_solver
 from dubins_study.conformance import CHECKS
 from dubins_study.conformance.report import Status
+from tests.live_run import finished, interpreted, output
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 LYING = EXAMPLES / "plugin-lying" / "src" / "lying_dubins"

@@ -7,7 +7,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from live_run import manifest, quick_experiment
 
 from dubins_study import run
 from dubins_study.experiments import provenance
@@ -24,6 +23,7 @@ from dubins_study.study.rows.manifest import (
     spread,
     varied,
 )
+from tests.live_run import manifest, quick_experiment
 
 pytestmark = pytest.mark.smoke
 

@@ -6,13 +6,13 @@ import shutil
 from dataclasses import replace
 
 import pytest
-from live_run import finished, manifest, parts, quick_experiment
 
 from dubins_study import run, status
 from dubins_study.cli.status import status_text
 from dubins_study.experiments.store.part_writer import write_part
 from dubins_study.study.rows.parts import read_part, rows_table
 from dubins_study.study.rows.schema import RUN_ID
+from tests.live_run import finished, manifest, parts, quick_experiment
 
 pytestmark = pytest.mark.smoke
 

@@ -7,13 +7,13 @@ from pathlib import Path
 import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
-from live_run import CELLS, finished, output
 
 from dubins_study import run
 from dubins_study.experiments.store import folder as store
 from dubins_study.experiments.store.folder import done, read_rows
 from dubins_study.study.rows.manifest import read_manifest
 from dubins_study.study.rows.parts import ARROW_SCHEMA, ResultsError
+from tests.live_run import CELLS, finished, output
 
 pytestmark = pytest.mark.smoke
 

@@ -8,7 +8,15 @@ import subprocess
 import time
 
 import pytest
-from live_run import TELLS_AND_NAPS, command, finished, interpreted, quick_experiment, wait_for
+
+from tests.live_run import (
+    TELLS_AND_NAPS,
+    command,
+    finished,
+    interpreted,
+    quick_experiment,
+    wait_for,
+)
 
 
 def in_a_terminal(*arguments, cwd, columns, **environment):

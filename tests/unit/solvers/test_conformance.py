@@ -5,7 +5,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from cases import PAPER, engine_params, margin, question_for, scenarios
 from hypothesis import assume, given, settings
 
 from dubins_study.asking.attempt import attempt
@@ -23,6 +22,7 @@ from dubins_study.study.words import (
     Outcome,
     Verdict,
 )
+from tests.cases import PAPER, engine_params, margin, question_for, scenarios
 
 # A gap that the method's kind may leave: rounding; the solver's tolerance of 1e-8 on lengths; the
 # coarseness of 50 steps, which falls like 1/n^2.

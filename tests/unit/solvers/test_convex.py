@@ -5,7 +5,6 @@ from itertools import product
 
 import numpy as np
 import pytest
-from cases import FROZEN_ROUTE
 
 from benchmarks.freeze_convex import best_drive, chosen, fastest
 from dubins_study.asking.attempt import attempt
@@ -19,6 +18,7 @@ from dubins_study.study.kinds.frozen import FROZEN_PROBLEM
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Pose
 from dubins_study.study.words import FROZEN, Claim, Outcome, Verdict
+from tests.cases import FROZEN_ROUTE
 
 QP, TUBE, TIME = "qp-50-random-6-0", "tube-50-cluster-9-38", "time-50-survey-6"
 CONIC = [name for name, engine in ENGINES.items() if engine.cones]

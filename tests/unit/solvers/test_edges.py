@@ -6,7 +6,6 @@ The campaign holds frames and the check beside the truth for each of `FOUND`.
 import math
 
 import pytest
-from cases import placed
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -19,6 +18,7 @@ from dubins_study.study.judging.judge import judge
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.words import Claim
 from tests.adversary.generators import FOUND
+from tests.cases import placed
 
 # the branch at whose edge each of them lies
 BRANCH = {

@@ -7,11 +7,11 @@ import casadi
 import numpy as np
 import pyscipopt
 import pytest
-from cases import EDGES, PAPER
 
 from dubins_study.solvers.export import FORMATS, ORDERS, ExportError, export
 from dubins_study.study.closed_form.shortest import shortest
 from dubins_study.study.scenario import Scenario
+from tests.cases import EDGES, PAPER
 
 # every region, another unit of length, a start elsewhere, negative coordinates
 CASES = {

@@ -9,7 +9,6 @@ from unittest.mock import Mock
 
 import numpy as np
 import pytest
-from cases import PAPER, margin, scenarios
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
@@ -32,6 +31,7 @@ from dubins_study.study.closed_form.shortest import shortest
 from dubins_study.study.route.search import search
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.words import Claim, Proof, Verdict
+from tests.cases import PAPER, margin, scenarios
 
 INSTALLED = [name for name in MINLP_ENGINES if ENGINES[name].unavailable() is None]
 FEASTOL = Disjunctive().feastol

@@ -7,7 +7,6 @@ from fractions import Fraction
 import numpy as np
 import pandas as pd
 import pytest
-from cases import PAPER, scenario_frame
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -21,6 +20,7 @@ from dubins_study.solvers.registry import load
 from dubins_study.study.path import Path, Paths
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.words import Claim, Outcome, Verdict
+from tests.cases import PAPER, scenario_frame
 
 ASKED = Scenario(0, 0, 0.3, 3, 2, 1)
 

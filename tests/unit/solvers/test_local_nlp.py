@@ -8,7 +8,6 @@ from importlib.util import find_spec
 
 import numpy as np
 import pytest
-from cases import PAPER, scenarios
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -25,6 +24,7 @@ from dubins_study.study.closed_form.shortest import shortest
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.words import Claim, Outcome, Verdict
+from tests.cases import PAPER, scenarios
 
 lengths = st.tuples(st.floats(0, 6), st.floats(0, 6), st.floats(0, 20)).map(np.array)
 NLP = ("slsqp", "ipopt")

@@ -10,7 +10,6 @@ import time
 import casadi
 import numpy as np
 import pytest
-from cases import PAPER
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -25,6 +24,7 @@ from dubins_study.study.body_coordinates import local
 from dubins_study.study.closed_form.shortest import shortest
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.words import DERIVATIVE_FREE, SAMPLING, Claim
+from tests.cases import PAPER
 
 # Its library breaks others in the same process: tests/processes asks it in one of its own.
 ALONE = ("sleqp",)

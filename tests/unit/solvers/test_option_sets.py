@@ -15,7 +15,6 @@ import casadi
 import numpy as np
 import pytest
 import scipy.optimize
-from cases import PAPER, engine_params
 
 from dubins_study.asking.attempt import attempt
 from dubins_study.solvers.engines import ENGINES, NLP_ENGINES, names
@@ -26,6 +25,7 @@ from dubins_study.solvers.registry import load
 from dubins_study.solvers.setting_checks import FEASIBILITY, OPTIMALITY, OPTION_SETS
 from dubins_study.solvers.stochastic.penalty_function import CountedFunction, Task
 from dubins_study.study.words import DERIVATIVE_FREE, ROOTS, SAMPLING, Claim
+from tests.cases import PAPER, engine_params
 
 
 def program() -> Program:

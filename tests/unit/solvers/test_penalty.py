@@ -5,7 +5,6 @@ from itertools import count
 
 import numpy as np
 import pytest
-from cases import EDGES, PAPER
 from threadpoolctl import threadpool_limits
 
 from dubins_study.asking.attempt import attempt
@@ -18,6 +17,7 @@ from dubins_study.solvers.stochastic.penalty_function import PenaltyFunction
 from dubins_study.study.body_coordinates import local
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.words import DERIVATIVE_FREE, SAMPLING, Claim, Verdict
+from tests.cases import EDGES, PAPER
 
 SEARCHES = names(SAMPLING, DERIVATIVE_FREE)
 AVAILABLE = [name for name in SEARCHES if ENGINES[name].unavailable() is None]

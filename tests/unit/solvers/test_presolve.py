@@ -4,7 +4,6 @@ import math
 
 import numpy as np
 import pytest
-from cases import engine_params, placed
 from flint import arb, ctx
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -20,6 +19,7 @@ from dubins_study.study.body_coordinates import local
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Pose, Scenario
 from dubins_study.study.words import TURN, Claim, Outcome, Verdict
+from tests.cases import engine_params, placed
 
 # they look for LS and RS among all paths that turn one way
 TRANSCRIPTIONS = ["turn-rate-qp", "turn-rates", "multiple-shooting", "collocation"]

@@ -5,7 +5,6 @@ from dataclasses import fields
 
 import pandas as pd
 import pytest
-from cases import PAPER
 
 from dubins_study.asking.attempt import attempt
 from dubins_study.experiments.code_digest import code_digest
@@ -16,6 +15,7 @@ from dubins_study.solvers.registry import SolverError, canonical, load, register
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.tolerances import ProfileError
 from dubins_study.study.words import Outcome
+from tests.cases import PAPER
 
 EASY = Scenario(0, 0, 0.3, 3, 2, 1)
 FRAME_ROW = dict.fromkeys(["x", "y", "heading", "target_y"], 0.0) | {"radius": 1.0}

@@ -11,7 +11,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from cases import QUICK_ENGINES, engine_params, walked
 from scipy.optimize import linprog
 from threadpoolctl import threadpool_limits
 
@@ -34,6 +33,7 @@ from dubins_study.study.closed_form.shortest import shortest
 from dubins_study.study.path import Path as DrivenPath
 from dubins_study.study.scenario import Pose, Scenario
 from dubins_study.study.words import IN_ORDER, QP, Claim, Outcome, Verdict
+from tests.cases import QUICK_ENGINES, engine_params, walked
 
 VIA = [(12, 4), (14, -8)]  # all legs above 4 radii
 FREE = Scenario(1, 2, "30deg", 22, 9, 2, via=VIA)

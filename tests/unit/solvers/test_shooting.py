@@ -4,7 +4,6 @@ import math
 
 import numpy as np
 import pytest
-from cases import PAPER
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
@@ -14,6 +13,7 @@ from dubins_study.solvers.indirect.structure import Structure
 from dubins_study.study.closed_form.shortest import shortest
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.words import Claim, Verdict
+from tests.cases import PAPER
 
 TURNS = ((1.0, 0.0), (-1.0, 0.0), (1.0, -1.0), (-1.0, 1.0))
 

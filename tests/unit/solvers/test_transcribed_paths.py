@@ -9,9 +9,6 @@ from time import process_time
 
 import numpy as np
 import pytest
-from brute_force import integrated
-from cases import EDGES, QUICK_ENGINES, margin, placed
-from hard_cases import hard_frame
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
@@ -36,6 +33,9 @@ from dubins_study.study.rows.schema import Judgement
 from dubins_study.study.scenario import Pose, Scenario
 from dubins_study.study.scenario_frame import scenario_of
 from dubins_study.study.words import QP, Claim, Proof, Verdict
+from tests.brute_force import integrated
+from tests.cases import EDGES, QUICK_ENGINES, margin, placed
+from tests.hard_cases import hard_frame
 
 # The gap that the engine's tolerance of 1e-9 leaves of free lengths; of free elements a few 1e-11
 # an element, and 3e-8 at most over 900 questions of the hard frame, on a circle, where convergence

@@ -7,8 +7,6 @@ import math
 
 import numpy as np
 import pytest
-from brute_force import integrated
-from cases import EDGES, PAPER, engine_params
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -25,6 +23,8 @@ from dubins_study.solvers.runs import EngineResult
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Pose, Scenario
 from dubins_study.study.words import Claim, Outcome, Verdict
+from tests.brute_force import integrated
+from tests.cases import EDGES, PAPER, engine_params
 
 TRANSCRIPTIONS = ("collocation", "multiple-shooting", "turn-rates[n=20]")
 PLACE = EDGES["many turns of heading"]

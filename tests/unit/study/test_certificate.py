@@ -7,7 +7,6 @@ import math
 
 import numpy as np
 import pytest
-from cases import EDGES, PAPER
 
 from dubins_study.study.closed_form.shortest import shortest_path
 from dubins_study.study.judging.certify import PMP_TOLERANCE, certify
@@ -17,6 +16,7 @@ from dubins_study.study.rows.schema import Certificate
 from dubins_study.study.scenario import Pose, Scenario
 from dubins_study.study.tolerances import Tolerances
 from dubins_study.study.words import BRANCHES, Claim, Proof, Verdict
+from tests.cases import EDGES, PAPER
 
 ALL = PAPER | EDGES
 PROBLEM = PAPER["problem 1"]

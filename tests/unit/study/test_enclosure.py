@@ -12,7 +12,6 @@ import mpmath as mp
 import numpy as np
 import pandas as pd
 import pytest
-from hard_cases import hard_frame, hard_poses, poses_of
 
 from dubins_study.study.check.enclosure import enclose, enclose_pose
 from dubins_study.study.closed_form.kernel import NO_PATH, Rows, ScenarioArrays, shortest_rows
@@ -23,6 +22,7 @@ from dubins_study.study.closed_form.pose_kernel import PoseArrays, pose_rows
 from dubins_study.study.judging.judge import judge
 from dubins_study.study.scenario import Pose, Scenario
 from dubins_study.study.words import POSE_BRANCHES
+from tests.hard_cases import hard_frame, hard_poses, poses_of
 
 START = Pose(0, 0, 0)
 

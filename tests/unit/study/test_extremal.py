@@ -9,7 +9,6 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from cases import EDGES, PAPER, walked
 from hypothesis import assume, given
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
@@ -26,6 +25,7 @@ from dubins_study.study.path import Path
 from dubins_study.study.scenario import Pose, Scenario
 from dubins_study.study.tolerances import Tolerances
 from dubins_study.study.words import POSE_BRANCHES, Proof, Verdict
+from tests.cases import EDGES, PAPER, walked
 
 ARCS = st.floats(0.01, 6.2)
 # rounding of a path of up to a thousand radii, in angles

@@ -7,12 +7,12 @@ from xml.etree.ElementTree import fromstring
 import numpy as np
 import pandas as pd
 import pytest
-from brute_force import integrated
 from hypothesis import given
 from hypothesis import strategies as st
 
 from dubins_study.study.path import Path, outline
 from dubins_study.study.scenario import Pose, Scenario
+from tests.brute_force import integrated
 
 MIRRORED = str.maketrans("LR", "RL")
 arcs = st.lists(st.tuples(st.floats(-3, 3), st.floats(0, 5)), max_size=8)

@@ -4,8 +4,6 @@ import math
 
 import numpy as np
 import pytest
-from brute_force import integrated, pose_words_by_search
-from hard_cases import hard_poses, poses_of
 from hypothesis import strategies as st
 
 from dubins_study.study.body_coordinates import EPS
@@ -23,6 +21,8 @@ from dubins_study.study.closed_form.pose import (
 from dubins_study.study.closed_form.pose_kernel import pose_rows
 from dubins_study.study.scenario import Pose
 from dubins_study.study.words import POSE_BRANCHES
+from tests.brute_force import integrated, pose_words_by_search
+from tests.hard_cases import hard_poses, poses_of
 
 START = Pose(0, 0, 0)
 angles = st.floats(-math.pi, math.pi)

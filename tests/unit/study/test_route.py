@@ -4,10 +4,10 @@ import math
 
 import numpy as np
 import pytest
-from cases import driven, walked
 
 from dubins_study.study.route.search import search
 from dubins_study.study.words import TURN
+from tests.cases import driven, walked
 
 LIMIT = 60.0  # s; every route here closes long before on a machine of its own
 

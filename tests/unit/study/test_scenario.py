@@ -12,7 +12,6 @@ from itertools import pairwise, product
 import numpy as np
 import pandas as pd
 import pytest
-from cases import placed
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -40,6 +39,7 @@ from dubins_study.study.words import (
     VIA_POINTS,
     Outcome,
 )
+from tests.cases import placed
 
 GOOD = {"x": 0, "y": 0, "heading": 0, "target_x": 1, "target_y": 2, "radius": 1}
 

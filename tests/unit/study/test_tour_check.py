@@ -5,7 +5,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from brute_force import integrated
 
 from dubins_study import solve
 from dubins_study.study.check.visits import visits
@@ -16,6 +15,7 @@ from dubins_study.study.path import Path
 from dubins_study.study.scenario import Pose, Scenario, Stop
 from dubins_study.study.tolerances import Tolerances
 from dubins_study.study.words import Claim, Proof, Verdict
+from tests.brute_force import integrated
 
 SAMPLES = 40_001
 SOON = Tolerances(search_s=0.1)

@@ -8,8 +8,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from cases import EDGES, PAPER, scenario_frame, scenarios
-from hard_cases import hard_frame, hard_poses
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -32,6 +30,8 @@ from dubins_study.study.scenario_frame import check_frame
 from dubins_study.study.scenario_frame import scenarios as scenarios_of
 from dubins_study.study.tolerances import Tolerances
 from dubins_study.study.words import BRANCHES, POSE_BRANCHES, Claim, Verdict
+from tests.cases import EDGES, PAPER, scenario_frame, scenarios
+from tests.hard_cases import hard_frame, hard_poses
 
 PROBLEM = PAPER["problem 1"]
 N = 1200

@@ -11,7 +11,6 @@ from functools import cache
 import numba
 import numpy as np
 import pytest
-from cases import driven
 
 from dubins_study.study.closed_form.pose_kernel import pose_rows
 from dubins_study.study.route import csc_bound as csc
@@ -30,6 +29,7 @@ from dubins_study.study.route.box import (
 )
 from dubins_study.study.route.csc_bound import csc_bound
 from dubins_study.study.route.lrl_bound import lrl_bound
+from tests.cases import driven
 
 LSL, LSR, LRL = range(3)
 TOLERANCE = 3e-13  # what the lengths here lose by rounding; each bound is lowered for its own
