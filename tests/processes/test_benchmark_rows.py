@@ -7,6 +7,7 @@ is solved anew.
 
 from dataclasses import replace
 from pathlib import Path as FilePath
+from typing import NamedTuple
 
 import numpy as np
 import pytest
@@ -23,14 +24,28 @@ from dubins_study.study.rows.manifest import read_manifest
 from dubins_study.study.rows.schema import ANSWER, CELL, KEY, RUN, SCENARIO, names
 from dubins_study.study.scenario_frame import scenario_of
 from dubins_study.study.tolerances import ARRIVES
-from dubins_study.study.words import FORMULATIONS, Claim
+from dubins_study.study.words import FORMULATIONS, Claim, Order
 
 RESULTS = FilePath(__file__).parents[2] / "results" / "benchmark"
-# each suite with the stratum of its easiest questions
-SUITES = {"leg": "outside, near", "pose": "far: 4 R to 20 R", "route": "legs of 4 R to 20 R"}
+
+
+class Suite(NamedTuple):
+    """The stratum of its easiest questions, and the legs up to which a slow test judges its rows."""
+
+    easiest: str
+    most_legs: int
+
+
+SUITES = {
+    "leg": Suite("outside, near", 1),
+    "pose": Suite("far: 4 R to 20 R", 1),
+    "route": Suite("legs of 4 R to 20 R", 50),
+    "tour": Suite("8 R sqrt(n)", 7),
+}
+PROVED_WIDTH = 1e-7  # relative; an interval that is wider is open
 # Engines whose makers do not wish that others publish their times.
 LICENSED = {"Gurobi", "Xpress", "KNITRO", "COPT", "BARON"}
-FEW_LEGS = 5  # beyond, a reference takes seconds: for the slow tests
+FEW_LEGS = 5  # of the quick tests: beyond, a reference takes seconds
 
 
 @pytest.fixture(scope="module", params=SUITES)
@@ -46,6 +61,11 @@ def table(suite):
 
 def rows_of(table):
     return table.to_dict("records")
+
+
+def relative_width(table):
+    """The widths of the proven intervals, relative to the length; NaN without a path."""
+    return (table["reference_high"] - table["reference_low"]) / table["reference_low"]
 
 
 @pytest.mark.slow
@@ -67,11 +87,14 @@ def test_every_row_names_its_formulation_engine_and_guess(table):
 
 @pytest.mark.many(1)
 @pytest.mark.parametrize("share", [0.03, pytest.param(1, marks=pytest.mark.slow)])
-def test_its_verdicts_are_what_the_check_says_today(table, share):
-    """A share of the first repeats, judged and certified again from the stored controls."""
-    first = table[table["repeat"] == 0]
-    if share < 1:
-        first = first[first["via_x"].map(lambda via: via is None or len(via) < FEW_LEGS)]
+def test_its_verdicts_are_what_the_check_says_today(suite, table, share):
+    """A share of the first repeats, judged and certified again from the stored controls.
+
+    Not of open questions: how far a search narrows them depends on the machine's speed.
+    """
+    first = table[(table["repeat"] == 0) & ~(relative_width(table) > PROVED_WIDTH)]
+    most_legs = FEW_LEGS if share < 1 else SUITES[suite].most_legs
+    first = first[first["via_x"].map(lambda via: via is None or len(via) < most_legs)]
     rows = first.sample(frac=share, random_state=1)
     # costates take most of the time, and of a scenario many solvers find the same path: they are
     # measured once for each formulation, verdict and level of proof
@@ -116,7 +139,9 @@ def test_no_question_lies_next_to_a_jump(table, most_legs):
         legs, far = len(scenario.via) + 1, 100 * ARRIVES * scenario.radius
         if scenario.one_free_leg:
             assert abs(row["margin"]) > 0.999 * far / scenario.radius, scenario
-        elif legs <= most_legs:
+        elif (
+            legs <= most_legs and scenario.order is not Order.FREE
+        ):  # a tour's order may change there
             angle = random.uniform(0.0, 2 * np.pi, legs)
             step = far * np.stack([np.cos(angle), np.sin(angle)], axis=1)
             points = np.array([*scenario.via, (scenario.target_x, scenario.target_y)])
@@ -135,7 +160,7 @@ def test_easy_cells_solved_anew_end_alike(suite, table):
     Not of solvers that are killed at their limit, nor of COBYQA, which takes half a minute: on a
     busy machine the limit ends them.
     """
-    easy = table[(table["label"] == SUITES[suite]) & (table["repeat"] == 0)]
+    easy = table[(table["label"] == SUITES[suite].easiest) & (table["repeat"] == 0)]
     # not at a limit, which a solver that took so long goes to, however far it is
     ended = easy["claim"].isin(["local", "optimal", "feasible"]) & (easy["wall_s"] < 0.5)
     easy = easy[ended & (easy["verdict"] == "optimal") & easy["curvatures"].notna()]
