@@ -30,7 +30,7 @@ RESULTS = FilePath(__file__).parents[2] / "results" / "benchmark"
 
 
 class Suite(NamedTuple):
-    """The stratum of its easiest questions, and the legs up to which a slow test judges its rows."""
+    """Its easiest stratum, and the legs up to which a slow test judges its rows."""
 
     easiest: str
     most_legs: int
