@@ -33,7 +33,10 @@ class Column:
 
 
 def columns(show: Format = str, /, kind: str = "number", **titles: str) -> tuple[Column, ...]:
-    """Columns with the same format: key=title, in order."""
+    """Columns with the same format.
+
+    As key=title, in order.
+    """
     return tuple(Column(key, title, show, kind) for key, title in titles.items())
 
 
@@ -41,5 +44,8 @@ SOLVER = Column("solver", "solver", kind="solver")
 
 
 def marks(frame: pd.DataFrame, *keys: str) -> dict[tuple[int, str], str]:
-    """Mark the cells of these columns as `bad` if they are true or above zero."""
+    """Mark cells that are true or positive.
+
+    Those of the columns `keys`; the mark is `bad`.
+    """
     return {(row, key): "bad" for key in keys for row, bad in enumerate(frame[key]) if bad}

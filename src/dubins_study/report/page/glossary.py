@@ -1,4 +1,7 @@
-"""The words of the page, and links from their first use to what they mean."""
+"""The glossary of the page, and links to it.
+
+A word's first use on a page is the link.
+"""
 
 from __future__ import annotations
 
@@ -44,13 +47,19 @@ _FIRST_OF = re.compile(rf"\b(?:{_FORMS})", re.IGNORECASE)
 
 
 class Glossed:
-    """Links the first use of every word on one page to the glossary."""
+    """Links each word's first use to the glossary.
+
+    The first use on one page.
+    """
 
     def __init__(self) -> None:
         self._used: set[Word] = set()
 
     def __call__(self, text: str) -> Markup:
-        """A text as HTML, with a link at each word that no earlier text used."""
+        """A text as HTML with links to the glossary.
+
+        A link is at each word that no earlier text used.
+        """
         html = Markup("")
         end = 0
         for match in _FIRST_OF.finditer(text):

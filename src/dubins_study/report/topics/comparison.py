@@ -50,7 +50,10 @@ ENOUGH_ASKED = 0.9
 
 @once
 def times(compared: Compared) -> pd.DataFrame:
-    """The cost table of whole attempts of this machine (s); see `_costs`."""
+    """The cost table of times (s).
+
+    Of whole attempts on this machine; see `_costs`.
+    """
     rows = compared.answerable
     return _costs(compared, rows[~rows["elsewhere"]], "wall_s")
 
@@ -62,27 +65,30 @@ def evaluations(compared: Compared) -> pd.DataFrame:
 
 
 def _costs(compared: Compared, rows: pd.DataFrame, cost: str) -> pd.DataFrame:
-    """The cost table of the engines at questions with a path, the closed form left out.
+    """The cost table of the engines.
 
-    Methods that met fewer than nine tenths of the questions, or of which no right answer says its
-    cost, are left out. Columns in the order of tables.
+    At questions with a path; the closed form is left out. Methods that met fewer than nine tenths
+    of the questions, or of which no right answer says its cost, are left out. Columns in the order
+    of tables.
     """
     rows = rows[rows["solver"] != EXACT]
     if rows.empty:
         return pd.DataFrame(index=pd.Index([], name="question"))
     table = cost_table(rows, cost, ["question"])
-    met = table.notna().mean()
-    kept = [s for s in compared.engines.index if s in table and met[s] >= ENOUGH_ASKED]
-    return table[kept]
+    share_met = table.notna().mean()
+    columns_shown = [
+        s for s in compared.engines.index if s in table and share_met[s] >= ENOUGH_ASKED
+    ]
+    return table[columns_shown]
 
 
 @once
 def mean_ranks(compared: Compared) -> tuple[pd.DataFrame, float]:
-    """Shares right, means of `times`, and ranks; then the shift of the means (s).
+    """Ranks of the methods; the shift of means (s).
 
-    A row per method in the order of the ranks: its columns; questions, right (share) with its
-    interval; mean (shifted geometric mean with failures at the limit, s) with its own; and the
-    columns of `ranking`.
+    The ranks have shares right and means of `times`. A row per method in the order of the ranks:
+    its columns; questions, right (share) with its interval; mean (shifted geometric mean with
+    failures at the limit, s) with its own; and the columns of `ranking`.
     """
     shared = shared_questions(times(compared))
     shift = chosen_shift(shared)
@@ -102,9 +108,10 @@ LEVEL = 0.05
 
 
 def formulation_tests(table: pd.DataFrame, ranked: pd.DataFrame) -> pd.DataFrame:
-    """Paired tests by times: the best method of each formulation against each of its others.
+    """Paired tests by times within each formulation.
 
-    In the order of `mean_ranks`. The columns of `paired_tests`, and formulation.
+    The best method of each formulation against each of its others. In the order of `mean_ranks`.
+    The columns of `paired_tests`, and formulation.
     """
     pairs = {
         (group.index[0], rival): name
@@ -115,7 +122,8 @@ def formulation_tests(table: pd.DataFrame, ranked: pd.DataFrame) -> pd.DataFrame
 
 
 def _profiles(table: pd.DataFrame, ranked: pd.DataFrame, palette: Palette) -> Picture:
-    profiles, named = {}, {}
+    profiles = {}
+    named = {}
     shared = shared_questions(table)
     order = ranked["formulation"].reindex(table.columns)
     for name in order.dropna().unique():
@@ -124,15 +132,17 @@ def _profiles(table: pd.DataFrame, ranked: pd.DataFrame, palette: Palette) -> Pi
         named[name] = foremost(-best.rank(method="first").min(axis=1), MOST_NAMED)
         profiles[name] = performance_profile(shared[group])
     grey = sum(len(profile.columns) - len(named[name]) for name, profile in profiles.items())
+    rest = ""
+    if grey:
+        rest = (
+            f"Named: the {MOST_NAMED} of each panel with the least means or most often right; "
+            f"grey: {some(grey, 'method')} more."
+        )
     caption = sentences(
-        "Performance profiles, formulation by formulation: the share of questions answered "
-        "correctly within a factor of the formulation's fastest right answer (Dolan and Moré). At "
-        "the left: how often a method is the fastest; at the right: how often it is right at all. "
-        "Read only the highest curve as best.",
-        f"Named: in each the {MOST_NAMED} with the least means or most often right; grey: "
-        f"{some(grey, 'method')} more."
-        if grey
-        else "",
+        "Performance profiles (Dolan and Moré): the share of questions answered correctly within a "
+        "factor of the formulation's fastest right answer. Left: how often a method is the "
+        "fastest; right: how often it is right at all. Read only the highest curve as best.",
+        rest,
     )
     names = {solver: str(ranked["short"][solver]) for group in named.values() for solver in group}
     label = "time / time of the fastest right answer of the formulation"
@@ -159,10 +169,10 @@ def rank_table(ranked: pd.DataFrame, shift: float, limit_s: float) -> Table:
     )
     caption = (
         f"Mean time: shifted geometric mean, shift {seconds(shift)} (the lower quartile of the "
-        f"times), a failure costs the limit of {seconds(limit_s)}. The rank is that of the mean; "
-        "none if it changes at a tenth or ten times the shift, or if failures cost twice or ten "
-        "times the limit. 95 % intervals: Wilson's for shares, for as many trials as there are "
-        "questions, and bootstrap over scenarios for means."
+        f"times); a failure costs the limit of {seconds(limit_s)}. The rank is that of the mean. "
+        "No rank: it changes at a tenth or ten times the shift, or if failures cost twice or ten "
+        "times the limit. 95 % intervals: Wilson's for shares, one trial per question; bootstrap "
+        "over scenarios for means."
     )
     texts = with_interval_texts(frame, right=share, mean=seconds)
     every = (*method_columns(frame), *shown)
@@ -171,7 +181,10 @@ def rank_table(ranked: pd.DataFrame, shift: float, limit_s: float) -> Table:
 
 
 def test_table(tests: pd.DataFrame, ranked: pd.DataFrame) -> Table:
-    """Paired tests of the best method of each formulation and its nearest rivals."""
+    """Table of paired tests.
+
+    The best method of each formulation and its nearest rivals.
+    """
     names = ranked["short"]
     near = tests.groupby("formulation", sort=False).head(_MOST_RIVALS)
     frame = near.assign(
@@ -188,11 +201,10 @@ def test_table(tests: pd.DataFrame, ranked: pd.DataFrame) -> Table:
     left_out = len(tests) - len(near)
     rest = f" {count(left_out)} tests of rivals with larger means are left out." if left_out else ""
     caption = (
-        "Paired tests of the best method of each formulation against the others of the same "
-        "formulation: the exact sign test, question by question; a failure loses to every right "
-        "answer, two failures tie. Holm's correction over all "
-        f"{count(len(tests))} tests. No rank: p above {LEVEL}; do not say which is faster. How "
-        f"much faster is said by the means, not by p.{rest}"
+        "Paired tests (exact sign test, question by question) of each formulation's best method "
+        "against its others. A failure loses to every right answer; two failures tie. Holm's "
+        f"correction over all {count(len(tests))} tests. No rank: p is above {LEVEL}; do not say "
+        f"which is faster. The means, not p, say how much faster.{rest}"
     )
     return Table("comparison-tests", caption, frame, shown, dense=True)
 
@@ -214,20 +226,26 @@ def comparison_section(results: Results) -> Section | None:
         blocks.append(test_table(tests, ranked))
     unranked = int(ranked["rank"].isna().sum())
     left_out = sum(solver not in table for solver in attempts.engines.index)
+    stability = "Every rank stays the same at all shifts and penalties."
+    if unranked:
+        stability = (
+            f"{count(unranked)} of {count(len(ranked))} methods have no rank: it changes with the "
+            "shift or with the penalty for failures."
+        )
+    absent = ""
+    if left_out:
+        absent = (
+            f"{some(left_out, 'method')} take no part: they met less than nine tenths of the "
+            "questions, or their right answers have no time."
+        )
     text = sentences(
         f"{count(len(shared))} questions with a path, put to {count(len(shared.columns))} methods; "
         "failures stay in every denominator. The closed form is left out.",
-        f"{count(unranked)} of {count(len(ranked))} methods have no rank: it changes with the "
-        "shift or with the penalty for failures."
-        if unranked
-        else "Every rank stays at any shift and penalty tried.",
-        f"{some(left_out, 'method')} that met less than nine tenths of the questions, or whose "
-        "right answers have no time, take no part."
-        if left_out
-        else "",
+        stability,
+        absent,
     )
     lead = (
-        "See in the profiles which method is fast (high at the left) and which is right at all "
+        "See in the profiles which method is fast (high at the left) and which is often right "
         "(high at the right)."
     )
     return Section("comparison", "Comparison of methods", text, tuple(blocks), lead)
