@@ -48,4 +48,7 @@ def marks(frame: pd.DataFrame, *keys: str) -> dict[tuple[int, str], str]:
 
     Those of the columns `keys`; the mark is `bad`.
     """
-    return {(row, key): "bad" for key in keys for row, bad in enumerate(frame[key]) if bad}
+    marked = {}
+    for key in keys:
+        marked |= {(row, key): "bad" for row, bad in enumerate(frame[key]) if bad}
+    return marked

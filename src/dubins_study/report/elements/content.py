@@ -111,7 +111,9 @@ def picture(
     entries = plot(figure.add_subplot(), *data)
     if legend:
         below: Style = {"loc": "outside lower left", "ncols": legend, "fontsize": 7.5}
-        figure.legend(**below if entries is None else below | {"handles": entries})
+        if entries is not None:
+            below["handles"] = entries
+        figure.legend(**below)
     return Picture(name, caption, figure, alt, half=True)
 
 

@@ -65,8 +65,9 @@ def count(value: Any) -> str:
 
 
 def some(number: int, noun: str) -> str:
-    """A number with a noun in the singular or plural."""
-    return f"{count(number)} {noun}{'' if number == 1 else 's'}"
+    """A number with its noun, singular or plural."""
+    ending = "" if number == 1 else "s"
+    return f"{count(number)} {noun}{ending}"
 
 
 def sentences(*each: str) -> str:

@@ -44,7 +44,10 @@ def interval_keys(*keys: str) -> tuple[str, ...]:
 
     Those of the intervals' ends; for the CSV file.
     """
-    return tuple(f"{key}{end}" for key in keys for end in ("", "_low", "_high"))
+    names: list[str] = []
+    for key in keys:
+        names += [key, f"{key}_low", f"{key}_high"]
+    return tuple(names)
 
 
 def with_interval_texts(frame: pd.DataFrame, **shows: Format) -> pd.DataFrame:
@@ -83,10 +86,11 @@ INTERVAL_TEXT = (
 def with_share(
     frame: pd.DataFrame, name: str, successes: pd.Series, trials: pd.Series
 ) -> pd.DataFrame:
-    """The frame with a share of trials and its interval.
+    """The frame with a share and its interval.
 
-    New columns: `name`_of (the trials), `name`_share (NaN of no trials), `name`_low and `name`_high
-    (95 %), and `name`_text, in which all of them are written out.
+    The share is one of trials. New columns: `name`_of (the trials), `name`_share (NaN of no
+    trials), `name`_low and `name`_high (95 %), and `name`_text, in which all of them are written
+    out.
     """
     n = trials.astype(np.float64).to_numpy()
     k = np.minimum(successes.astype(np.float64).to_numpy(), n)

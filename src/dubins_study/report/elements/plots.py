@@ -38,8 +38,8 @@ from dubins_study.study.arrays import FloatArray
 
 # For captions of figures that show `statistics.methods.drawn_methods`.
 DRAWN_TEXT = (
-    "Each formulation has at most "
-    f"{MOST_ENGINES} engines, each with its best-supported guess and settings."
+    f"Each formulation has at most {MOST_ENGINES} engines, each with its best-supported guess and "
+    "settings."
 )
 MOST_NAMED = 4  # curves of a small panel that a reader can tell apart
 HIGHEST = 6.2  # inches: on the page a screen of 900 pixels, the caption not counted
@@ -51,7 +51,7 @@ _MARKERS = ("D", "s", "^", "v")  # open marks that can be seen inside each other
 
 @dataclass(frozen=True)
 class Mark:
-    """The look of a column or a kind of rows."""
+    """The look of a column, or of a kind."""
 
     key: str  # the column, or the kind
     label: str = ""  # its name in the legend; empty for its key
@@ -342,12 +342,10 @@ def draw_cells(
         x, y: centres of the cells, shapes (n,) and (m,), evenly spaced.
         colours: a list of colours, or the name of a colour map.
     """
-    extent = [
-        end
-        for centres in (x, y)
-        for half in [np.diff(centres).mean() / 2 if centres.size > 1 else 0.5]
-        for end in (centres[0] - half, centres[-1] + half)
-    ]
+    extent: list[float] = []
+    for centres in (x, y):
+        half = np.diff(centres).mean() / 2 if centres.size > 1 else 0.5
+        extent += [centres[0] - half, centres[-1] + half]
     style: Style = {"origin": "lower", "interpolation": "nearest", "cmap": colours}
     if not isinstance(colours, str):
         ends = {"vmin": -0.5, "vmax": len(colours) - 0.5}

@@ -151,7 +151,8 @@ def log_axis(axis: Axis, unit: str = "") -> None:
     With prefixes before a unit such as `ms`. Fewer are labelled if there are many decades.
     """
     axis.set_major_locator(LogLocator(numticks=8))
-    axis.set_major_formatter(EngFormatter(unit) if unit else FuncFormatter(power))
+    formatter = EngFormatter(unit) if unit else FuncFormatter(power)
+    axis.set_major_formatter(formatter)
     axis.set_minor_formatter(NullFormatter())
 
 
@@ -201,10 +202,11 @@ def fix_layout(figure: Figure) -> None:
         # place change from run to run; an SVG file's ids are made of them.
         for ax in figure.axes:
             ax.set_position(np.round(ax.get_position(original=True).bounds, _PLACE_DECIMALS))
-    for axis in (axis for ax in figure.axes for axis in (ax.xaxis, ax.yaxis)):
-        if not axis.get_label_text():
-            # For the place of a label, empty or not, matplotlib measures all tick labels again.
-            axis.set_label_coords(0, 0)
+    for ax in figure.axes:
+        for axis in (ax.xaxis, ax.yaxis):
+            if not axis.get_label_text():
+                # For the place of a label, empty or not, matplotlib measures all tick labels again.
+                axis.set_label_coords(0, 0)
 
 
 def figure_bytes(figure: Figure, kind: str) -> bytes:

@@ -79,8 +79,9 @@ def linked(text: str, sections: Sequence[Section], page: str) -> Markup:
             file = PAPER_PAGE if section.place is Place.PAPER else FRONT_PAGE
             place = "" if file == page else file
             return Markup('<a href="{}#{}">{}</a>').format(place, section.key, text)
-    named = any(section.title.startswith(f"{title}:") for section in sections)
-    return Markup.escape(text if named else f"{text} (not on this page)")
+    if any(section.title.startswith(f"{title}:") for section in sections):
+        return Markup.escape(text)
+    return Markup.escape(f"{text} (not on this page)")
 
 
 def packed(content: bytes) -> str:

@@ -8,6 +8,7 @@ from __future__ import annotations
 import re
 import tomllib
 from importlib.resources import files
+from itertools import chain
 from typing import NamedTuple
 
 from markupsafe import Markup
@@ -38,7 +39,7 @@ GLOSSARY = {
     part: [Word(term, **texts) for term, texts in words.items()]
     for part, words in tomllib.loads(_TEXT).items()
 }
-WORDS = [word for words in GLOSSARY.values() for word in words]
+WORDS = list(chain.from_iterable(GLOSSARY.values()))
 
 
 _LINKED = [word for word in WORDS if word.forms]

@@ -75,13 +75,19 @@ def dictionary(sections: Iterable[Section]) -> Table:
 
     One line for every column of every CSV file, in the order of the page.
     """
-    lines = [
-        {"file": block.name, "column": key, "heading": heading, "section": section.title}
-        for section in sections
-        for block in section.blocks
-        if isinstance(block, Table)
-        for key, heading in _headings(block).items()
-    ]
+    lines = []
+    for section in sections:
+        for block in section.blocks:
+            if isinstance(block, Table):
+                lines += [
+                    {
+                        "file": block.name,
+                        "column": key,
+                        "heading": heading,
+                        "section": section.title,
+                    }
+                    for key, heading in _headings(block).items()
+                ]
     frame = pd.DataFrame(lines, columns=["file", "column", "heading", "section"])
     return Table("dictionary", "The columns of the tables.", frame, _SHOWN)
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 import gc
 import tempfile
 from collections.abc import Callable, Iterable, Sequence
+from itertools import chain
 from pathlib import Path as FilePath
 from typing import NamedTuple
 
@@ -191,21 +192,21 @@ def _write(
 ) -> None:
     for name in ("figures", "tables"):
         (folder / name).mkdir()
-    blocks = [block for section in sections for block in section.blocks]
+    blocks = list(chain.from_iterable(section.blocks for section in sections))
     tables = [block for block in blocks if isinstance(block, Table)]
     for table in (*tables, dictionary(sections)):
         for suffix, to_text in (("csv", to_csv), ("tex", to_tex)):
             _write_text(folder / "tables" / f"{table.name}.{suffix}", to_text(table))
-    drawn: dict[str, Markup] = {}
+    elements: dict[str, Markup] = {}
     for block in blocks:
         if isinstance(block, Picture):
-            drawn |= _write_picture(block, folder / "figures")
+            elements |= _write_picture(block, folder / "figures")
     places = {place: [section for section in sections if section.place is place] for place in Place}
     paper = places[Place.PAPER]
     content = {
         "sections": sections,
         "runs": runs,
-        "drawn": drawn,
+        "drawn": elements,
         "citation": CITATION,
         "paper_title": TITLE,
         "glossary": WORDS,
@@ -240,13 +241,13 @@ def _write_picture(picture: Picture, folder: FilePath) -> dict[str, Markup]:
     svg = figure_bytes(picture.figure, "svg")
     (folder / f"{picture.name}.svg").write_bytes(svg)
     (folder / f"{picture.name}.pdf").write_bytes(figure_bytes(picture.figure, "pdf"))
-    drawn = {picture.name: inline(svg.decode("utf-8"), picture.name, picture.alt)}
+    elements = {picture.name: inline(svg.decode("utf-8"), picture.name, picture.alt)}
     if picture.narrow is not None:
         fix_layout(picture.narrow)
         name = f"{picture.name}-narrow"
         svg = figure_bytes(picture.narrow, "svg")
-        drawn[name] = inline(svg.decode("utf-8"), name, picture.alt)
-    return drawn
+        elements[name] = inline(svg.decode("utf-8"), name, picture.alt)
+    return elements
 
 
 def _write_text(file: FilePath, text: str) -> None:

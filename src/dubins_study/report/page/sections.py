@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from importlib import import_module
+from itertools import chain
 
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.content import BENCHMARK, General, Place, Section, Table, Topic
@@ -52,12 +53,10 @@ _MODULES = (
     "topics.single_attempts",
     "topics.appendix",
 )
-TOPICS = tuple(
-    topic
-    for name in _MODULES
-    for topic in vars(import_module(f"dubins_study.report.{name}")).values()
-    if isinstance(topic, Topic)
+_VALUES = chain.from_iterable(
+    vars(import_module(f"dubins_study.report.{name}")).values() for name in _MODULES
 )
+TOPICS = tuple(value for value in _VALUES if isinstance(value, Topic))
 KEYS = tuple(dict.fromkeys(topic.about for topic in TOPICS if isinstance(topic.about, str)))
 
 

@@ -68,23 +68,25 @@ def runs(folders: Iterable[Folder]) -> pd.DataFrame:
     The load is that of the last minute, at the run's start and its end; spread is a share. Unknown
     seconds or spread are NaN.
     """
-    return pd.DataFrame(
-        {
-            "experiment": folder.name,
-            "run": run.run_id,
-            "started": run.started,
+    lines: list[dict[str, Any]] = []
+    for folder in folders:
+        for run in folder.manifest.runs:
             # The entry of a killed run stays `running`; its seconds say nothing of its end.
-            "seconds": math.nan if run.seconds is None or run.state == "running" else run.seconds,
-            "state": "running, or killed" if run.state == "running" else run.state,
-            "executor": run.executor,
-            "jobs": str(run.jobs),
-            "where": f"{_machine(run.machine)}; governor {run.governor}",
-            "load": f"{_load(run.load_start)} to {_load(run.load_end)}",
-            "spread": math.nan if run.spread is None else run.spread,
-        }
-        for folder in folders
-        for run in folder.manifest.runs
-    )
+            runs_on = run.state == "running"
+            line = {
+                "experiment": folder.name,
+                "run": run.run_id,
+                "started": run.started,
+                "seconds": math.nan if run.seconds is None or runs_on else run.seconds,
+                "state": "running, or killed" if runs_on else run.state,
+                "executor": run.executor,
+                "jobs": str(run.jobs),
+                "where": f"{_machine(run.machine)}; governor {run.governor}",
+                "load": f"{_load(run.load_start)} to {_load(run.load_end)}",
+                "spread": math.nan if run.spread is None else run.spread,
+            }
+            lines.append(line)
+    return pd.DataFrame(lines)
 
 
 def _machine(machine: Mapping[str, Any]) -> str:

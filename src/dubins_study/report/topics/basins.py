@@ -219,7 +219,7 @@ def _cap(change: Mapping[bool, dict[str, float]]) -> str:
     free = change[False]
     bounded = change[True]
     return (
-        "From the same initial guesses, with every turn bounded by a full turn, "
+        "From the same guesses, with every turn bounded by a full turn, "
         f"{share(bounded['turned'])} end with full turns instead of {share(free['turned'])}, and "
         f"{share(bounded['optimal'])} find the shortest path instead of {share(free['optimal'])}. "
         f"{count(bounded['refuted'])} statements are refuted instead of {count(free['refuted'])}."

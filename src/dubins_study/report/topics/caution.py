@@ -59,8 +59,9 @@ def unsteady_machine(results: Results) -> Caution | None:
 
     While the runs went on.
     """
-    runs = [run for folder in results.folders for run in folder.manifest.runs]
-    spreads = [run.spread for run in runs if run.spread is not None]
+    spreads: list[float] = []
+    for folder in results.folders:
+        spreads += [run.spread for run in folder.manifest.runs if run.spread is not None]
     if not spreads:
         return None
     return Caution(
@@ -108,12 +109,10 @@ def proved_routes(attempts: Compared) -> Caution | None:
 def missing_pairs(results: Results, attempts: Compared) -> Caution | None:
     """Pairs of formulation and engine without rows."""
     # the closed form is a formulation without an engine, and no pair
-    entries = {
-        (e.formulation, e.engine)
-        for folder in results.folders
-        for e in folder.manifest.matrix
-        if FORMULATIONS[0] not in (e.formulation, e.engine)
-    }
+    entries: set[tuple[str, str]] = set()
+    for folder in results.folders:
+        pairs = {(entry.formulation, entry.engine) for entry in folder.manifest.matrix}
+        entries |= {pair for pair in pairs if FORMULATIONS[0] not in pair}
     methods = attempts.engines
     asked = set(zip(methods["formulation"], methods["engine"], strict=True))
     missing = len(entries - asked)

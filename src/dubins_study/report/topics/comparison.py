@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import chain
+
 import pandas as pd
 
 from dubins_study.report.data.attempts import EXACT
@@ -113,11 +115,10 @@ def formulation_tests(table: pd.DataFrame, ranked: pd.DataFrame) -> pd.DataFrame
     The best method of each formulation against each of its others. In the order of `mean_ranks`.
     The columns of `paired_tests`, and formulation.
     """
-    pairs = {
-        (group.index[0], rival): name
-        for name, group in ranked.groupby("formulation", sort=False)
-        for rival in group.index[1:]
-    }
+    pairs = {}
+    for name, group in ranked.groupby("formulation", sort=False):
+        best = group.index[0]
+        pairs |= {(best, rival): name for rival in group.index[1:]}
     return paired_tests(table, pairs).assign(formulation=list(pairs.values()))
 
 
@@ -144,7 +145,8 @@ def _profiles(table: pd.DataFrame, ranked: pd.DataFrame, palette: Palette) -> Pi
         "fastest; right: how often it is right at all. Read only the highest curve as best.",
         rest,
     )
-    names = {solver: str(ranked["short"][solver]) for group in named.values() for solver in group}
+    solvers = chain.from_iterable(named.values())
+    names = {solver: str(ranked["short"][solver]) for solver in solvers}
     label = "time / time of the fastest right answer of the formulation"
     alt = "Performance profiles in small panels, one per formulation"
     data = profiles, names, palette, label

@@ -217,9 +217,11 @@ def _engines(methods: pd.DataFrame, shift: float) -> Table:
         "and problems not asked count as the limit. *: more than half of it is the floor, the time "
         "of a problem of one variable."
     )
-    numbers = tuple(f"{name}_{t:g}" for t in tolerances for name in ("right", "mean_s"))
+    numbers: list[str] = []
+    for t in tolerances:
+        numbers += [f"right_{t:g}", f"mean_s_{t:g}"]
     flags = marks(frame, "false_claim")
-    return Table("convex-engines", caption, frame, shown, flags, numbers=numbers, dense=True)
+    return Table("convex-engines", caption, frame, shown, flags, numbers=tuple(numbers), dense=True)
 
 
 TOPIC = Topic("convex problems", convex_section, "convex")

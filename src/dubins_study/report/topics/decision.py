@@ -18,7 +18,7 @@ from dubins_study.report.elements.content import General, Place, Section, Table,
 from dubins_study.report.elements.formats import count, share, some
 from dubins_study.report.elements.identity import with_interval
 from dubins_study.report.elements.looks import labels_of
-from dubins_study.report.statistics.methods import UNSTATED, Compared, compared, surest_first
+from dubins_study.report.statistics.methods import UNSTATED, Compared, by_support, compared
 from dubins_study.report.statistics.metrics import parse_spec
 from dubins_study.study.words import Outcome
 
@@ -46,7 +46,7 @@ def suites(rows: pd.DataFrame) -> pd.Series[str]:
     return rows["experiment"].astype(str).str.cat(where.where(enough & several, ""))
 
 
-def surest(rows: pd.DataFrame) -> pd.DataFrame:
+def best_supported(rows: pd.DataFrame) -> pd.DataFrame:
     """The best-supported method of each line and experiment.
 
     A line is a formulation with its guesses. Of those asked more than half as often as any, so that
@@ -55,7 +55,7 @@ def surest(rows: pd.DataFrame) -> pd.DataFrame:
     wall_s (median).
     """
     keys = ["experiment", *_KIND]
-    ranked = surest_first(rows, [*keys, "solver"])
+    ranked = by_support(rows, [*keys, "solver"])
     asked = ranked["trials"].groupby(keys, observed=True).transform("max")
     whole = ranked[2 * ranked["trials"] > asked]
     return whole.reset_index("solver").groupby(keys, sort=False).head(1)
@@ -158,7 +158,7 @@ def _table(attempts: Compared, rows: pd.DataFrame, *, few: bool, each: bool) -> 
     stop = stops(rows, attempts.strata) | stops(equal, attempts.strata)
     ended = ends(rows) | ends(equal)
     experiments = list(dict.fromkeys(rows["experiment"]))
-    best = surest(rows).reset_index()
+    best = best_supported(rows).reset_index()
     best["knows"] = best["solver"].map(rows.groupby("solver")["knows"].first())
     best["place"] = best["experiment"].map(experiments.index)
     lines = [

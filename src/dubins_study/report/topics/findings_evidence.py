@@ -179,8 +179,10 @@ class Evidence:
 
         Of the questions of some attempts.
         """
-        met = rows.groupby("solver", observed=True)["question"].nunique()
-        share = met.reindex(self.methods.index).fillna(0.0) / max(rows["question"].nunique(), 1)
+        questions_met = rows.groupby("solver", observed=True)["question"].nunique()
+        share = questions_met.reindex(self.methods.index).fillna(0.0) / max(
+            rows["question"].nunique(), 1
+        )
         return self.methods[share >= ENOUGH_ASKED]
 
     @cached_property

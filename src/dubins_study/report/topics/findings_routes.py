@@ -11,7 +11,7 @@ import pandas as pd
 from dubins_study.report.data.attempts import ENOUGH_TO_CHOOSE, EXACT, legs_of
 from dubins_study.report.elements.formats import seconds, some
 from dubins_study.report.statistics.intervals import geometric_means
-from dubins_study.report.statistics.methods import surest_first
+from dubins_study.report.statistics.methods import by_support
 from dubins_study.report.topics.findings_evidence import (
     ENOUGH,
     Estimate,
@@ -45,7 +45,7 @@ def _by_support(evidence: Evidence, rows: pd.DataFrame) -> pd.DataFrame:
     Of the engines that met nearly all questions: `scenario_shares`.
     """
     engines = rows[rows["solver"].isin(evidence.met_most(rows).index)]
-    return surest_first(engines, ["solver"])
+    return by_support(engines, ["solver"])
 
 
 def _named(evidence: Evidence, *solvers: str) -> str:
@@ -148,30 +148,30 @@ def where_engines_stop(evidence: Evidence) -> Finding | None:
     rows = rows[rows["legs"] >= _LONG]
     hardest: dict[str, Estimate] = {}
     for label, of_label in rows.groupby("label"):
-        surest = _by_support(evidence, of_label)
-        if len(surest) and surest["trials"].iloc[0] >= ENOUGH:
-            line = surest.iloc[0]
-            several = len(surest) * rows["label"].nunique() * evidence.of
+        ranked = _by_support(evidence, of_label)
+        if len(ranked) and ranked["trials"].iloc[0] >= ENOUGH:
+            line = ranked.iloc[0]
+            several = len(ranked) * rows["label"].nunique() * evidence.of
             hardest[str(label)] = chosen_share(line["share"], int(line["trials"]), several)
     if not hardest:
         return None
     label = min(hardest, key=hardest.__getitem__)
     share = hardest[label]
     chosen = rows[rows["label"] == label]
-    surest = _by_support(evidence, chosen)
+    ranked = _by_support(evidence, chosen)
     search = _search(evidence)
     proved = _closed(search[(search["label"] == label) & (search["legs"] >= _LONG)])
     if proved.empty or not proved.mean() > share.high:
         return None
     legs = f"{chosen['legs'].min()} to {chosen['legs'].max()} legs"
     enough = share.questions >= ENOUGH_TO_CHOOSE
-    named = f", {_named(evidence, surest.index[0])}," if enough else ""
+    named = f", {_named(evidence, ranked.index[0])}," if enough else ""
     routes = some(share.questions, "route")
     return Finding(
         f"Do not trust an engine alone with routes of many {label}: the best supported finds the "
         f"shortest on {share.percent_text()}.",
         share,
-        f"{routes} of {legs}; the best supported{named} of {some(len(surest), 'method')}; the "
+        f"{routes} of {legs}; the best supported{named} of {some(len(ranked), 'method')}; the "
         f"search proves {proved.sum()} of {len(proved)}",
         TITLE,
     )

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import textwrap
 from collections.abc import Sequence
+from itertools import chain
 
 import numpy as np
 import pandas as pd
@@ -75,14 +76,10 @@ def matrix(methods: pd.DataFrame, entries: Sequence[MatrixEntry]) -> pd.DataFram
     formulations = [name for name in FORMULATIONS if name in names]
     formulations += sorted(names - set(formulations))
     why = {(e.engine, e.formulation): e.reason or _NOT_ASKED for e in usable}
-    pairs = pd.DataFrame(
-        [
-            (kind, engine, formulation, why.get((engine, formulation), ""))
-            for kind, engine in _engines(usable, best)
-            for formulation in formulations
-        ],
-        columns=["kind", "engine", "formulation", "reason"],
-    )
+    lines: list[tuple[str, ...]] = []
+    for kind, engine in _engines(usable, best):
+        lines += [(kind, engine, name, why.get((engine, name), "")) for name in formulations]
+    pairs = pd.DataFrame(lines, columns=["kind", "engine", "formulation", "reason"])
     cells = pairs.merge(best, on=["engine", "formulation"], how="left")
     cells["filled"] = cells["filled"].eq(True)
     cells["few"] = cells["right_of"] < asked["right_of"].max() / 2
@@ -99,8 +96,9 @@ def _engines(entries: Sequence[MatrixEntry], best: pd.DataFrame) -> list[tuple[s
     kind_of: dict[str, str] = {}
     for entry in entries:
         kind_of.setdefault(entry.engine, entry.kind or _NO_KIND)
+    no_kind = _NO_KIND if entries else ""
     for engine in sorted(set(best["engine"]), key=str.casefold):
-        kind_of.setdefault(engine, _NO_KIND if entries else "")
+        kind_of.setdefault(engine, no_kind)
     plugins = best.loc[best["solver"].map(own_name) != "", "engine"]
     kind_of = dict.fromkeys(plugins, "plug-in") | kind_of | dict.fromkeys(plugins, "plug-in")
     kinds = list(dict.fromkeys(kind_of.values()))
@@ -208,8 +206,8 @@ def matrix_section(results: Results) -> Section | None:
     attempts = results.attempts
     methods = solver_summary(attempts)
     methods = methods[methods["right_of"] > 0].reset_index(drop=True)
-    entries = [entry for run in results.folders for entry in run.manifest.matrix]
-    cells = matrix(methods, entries)
+    entries = chain.from_iterable(run.manifest.matrix for run in results.folders)
+    cells = matrix(methods, list(entries))
     if not cells["filled"].any():
         return None
     blocks: list[Picture | Table] = [_picture(cells)]

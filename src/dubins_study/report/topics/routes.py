@@ -326,10 +326,10 @@ def plot_sizes(
     patches = [Patch(facecolor=mark.colour, edgecolor=RULE, label=mark.key) for mark in marks]
     style: Style = {"fontsize": 7, "columnspacing": 1.2}
     key: Style = {"title": "median gap", "alignment": "left", "loc": "outside upper left"}
-    figure.legend(handles=patches, ncols=3 if narrow else 5, **key, **style)
-    figure.legend(
-        handles=[*lines.values()], loc="outside lower left", ncols=2 if narrow else 3, **style
-    )
+    gaps_across = 3 if narrow else 5
+    lines_across = 2 if narrow else 3
+    figure.legend(handles=patches, ncols=gaps_across, **key, **style)
+    figure.legend(handles=[*lines.values()], loc="outside lower left", ncols=lines_across, **style)
     return figure
 
 
@@ -458,9 +458,10 @@ def _label(name: str) -> str:
 
 
 def _texts(scenario: Scenario, order: Sequence[int], names: Sequence[str]) -> list[str]:
-    """The text beside the start and each stop, in the order of visits.
+    """Texts beside the start and the stops.
 
-    Via points have numbers, of many every tenth; the target has none. Of few points names follow.
+    In the order of visits. Via points have numbers, of many every tenth; the target has none. Of
+    few points names follow.
     """
     last = len(order)
     step = 10 ** max(math.ceil(math.log10(last / _MOST_NUMBERS)), 0)
@@ -476,12 +477,12 @@ def _texts(scenario: Scenario, order: Sequence[int], names: Sequence[str]) -> li
 def _write(
     ax: Axes, points: FloatArray, texts: Sequence[str], unit: float, along: FloatArray
 ) -> None:
-    """Write texts beside points, at the best of eight places around each.
+    """Write texts beside points.
 
-    Best is where no piece of the path and no edge of the plot is crossed, then outside the bend
-    of the path. A text that would overlap an earlier one at each place stands without its name, or
-    is left out. `unit` is the size of a length unit (pt); `along` are
-    places on the path and the arrows, shape (m, 2).
+    Each at the best of eight places around its point. The best place crosses no piece of the path
+    and no edge of the plot, and lies outside the bend of the path. A text that would overlap an
+    earlier one at each place loses its name, or is left out. `unit` is the size of a length unit
+    (pt); `along` are places on the path and the arrows, shape (m, 2).
     """
     last = len(points) - 1
     dots = points if last <= _MOST_NAMED else points[[0, -1]]

@@ -36,7 +36,9 @@ def solver_summary(attempts: pd.DataFrame) -> pd.DataFrame:
     not_returned (timeout, crashed, raised, ...), wall_s (median, s; missing if no attempt
     returned), and those of `with_share` for right, a share of the questions.
     """
-    solver, verdict, asked = attempts["solver"], attempts["verdict"], attempts["answerable"]
+    solver = attempts["solver"]
+    verdict = attempts["verdict"]
+    asked = attempts["answerable"]
     returned = attempts["outcome"].eq("returned")
     flags = {name: verdict.eq(name) for name in VERDICTS}
     flags |= {"attempts": asked, "not_returned": ~returned}
@@ -58,7 +60,10 @@ def solver_summary(attempts: pd.DataFrame) -> pd.DataFrame:
 
 def share_keys(*names: str) -> tuple[str, ...]:
     """Numeric columns of `with_share`, for the CSV file."""
-    return tuple(f"{name}_{end}" for name in names for end in ("share", "low", "high"))
+    keys: list[str] = []
+    for name in names:
+        keys += [f"{name}_share", f"{name}_low", f"{name}_high"]
+    return tuple(keys)
 
 
 # The spec instead of the settings: it is what a reader hands to the command.
@@ -77,7 +82,10 @@ _NUMBERS = ("attempts", "questions", "optimal", *share_keys("right"))
 
 
 def summary_section(results: Results) -> Section | None:
-    """Verdicts and times where a path exists, solver by solver."""
+    """Verdicts and times, solver by solver.
+
+    At questions that have a path.
+    """
     attempts = results.attempts
     frame = solver_summary(attempts)
     caption = (
