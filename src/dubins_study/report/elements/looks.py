@@ -127,7 +127,7 @@ def common_part(names: Sequence[str]) -> tuple[str, list[str]]:
     """
     names = distinct([one_line(name, _MOST_IN_PANEL) for name in names])
     tails = {name.partition(", ")[2] for name in names}
-    # An engine of which only the usual guess is known, or that needs none, does not name it.
+    # An engine whose only guess is the usual one, or that needs none, does not name it.
     shared = tails - {""} if tails > {_USUAL_START} else tails
     if len(names) < 2 or len(shared) > 1 or shared == {""}:
         return "", names
@@ -160,7 +160,7 @@ _ENGINES = (
     *("SCS", "DAQP", "ECOS", "ProxQP", "QPALM"),
 )
 _FORMULA = "closed form"
-# A curve that is there to compare with, behind those that have a colour and a name.
+# A grey curve for comparison, behind those that have a colour and a name.
 BEHIND: style.Style = {"color": style.RULE, "linewidth": 0.8, "zorder": 1.5}
 
 

@@ -87,8 +87,8 @@ def explorer_section(results: Results) -> Section:
         "The vehicle drives forward only and cannot turn tighter than a circle of radius R. Its "
         "shortest path is made of arcs of this radius and straight lines. The word of a path names "
         "them in order: L is a left turn, R a right turn, S straight. Here RS is the "
-        "shortest. LS arrives too, but is more than twice as long: a solver that finds LS may take "
-        "it for the shortest."
+        "shortest. LS arrives too, but is more than twice as long: a solver that finds LS may "
+        "report it as the shortest."
     )
     try_it = (
         "Drag the target T: the bold path is the shortest, and each colour of the map is one word. "

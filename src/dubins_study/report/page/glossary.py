@@ -34,7 +34,7 @@ class Word(NamedTuple):
 
 
 _TEXT = (files(__package__) / "glossary.toml").read_text(encoding="utf-8")
-# by what they are about, in this order
+# by subject, in this order
 GLOSSARY = {
     part: [Word(term, **texts) for term, texts in words.items()]
     for part, words in tomllib.loads(_TEXT).items()

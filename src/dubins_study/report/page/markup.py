@@ -114,7 +114,7 @@ _METADATA = re.compile(r"<metadata>.*?</metadata>|<!--.*?-->", re.DOTALL)
 _TAG = re.compile(r"<[^>]+>")
 _STYLE = re.compile(r' style="[^"]*"')
 _FILL = re.compile(r' fill="(#\w{6})"')  # of hatches; only a style can hold a variable
-_ID = re.compile(r' id="|href="#|url\(#')  # what stands before an id
+_ID = re.compile(r' id="|href="#|url\(#')  # the text before an id
 
 
 def inline(svg: str, name: str, alt: str) -> Markup:

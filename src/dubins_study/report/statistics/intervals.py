@@ -20,8 +20,8 @@ from dubins_study.study.arrays import FloatArray
 LEVEL = 0.95
 RESAMPLES = 1000
 _OF_SEVERAL = 4000
-# The counts of all resamples: beyond some 80 MB fewer are drawn, since the interval of that many
-# scenarios is narrow and its ends need no third digit.
+# Most counts of all resamples, some 80 MB. Of more scenarios fewer resamples are drawn: their
+# interval is narrow, and its ends need no third digit.
 _MOST_COUNTS = 10**7
 _FEWEST_RESAMPLES = 100
 
@@ -43,7 +43,7 @@ def wilson_intervals(successes: ArrayLike, trials: ArrayLike, of: int = 1) -> Fl
     binomial proportion", Stat. Sci. 16, sec. 3). Trials must be independent: count scenarios, not
     the repeats of one. k may be a sum of shares in [0, 1], e.g. of the success rates of scenarios
     over their repeats: their variance is at most p (1 - p), so that the interval is, if anything,
-    too wide. Of no trials nothing is known: the interval is (0, 1), which the formula tends to.
+    too wide. Without trials the interval is (0, 1), which the formula tends to.
 
     k and n have shapes that broadcast; the result has that of k / n and a last axis of 2: low,
     high.
@@ -219,8 +219,8 @@ def medians(values: FloatArray, weights: FloatArray) -> FloatArray:
 def averages(values: FloatArray, weights: FloatArray) -> FloatArray:
     """Arithmetic means of columns of finite values: a `Statistic`.
 
-    Of a column of successes (0 or 1) it is their share; of differences of successes (-1, 0 or 1)
-    the difference of two shares on the same questions.
+    For successes (0 or 1) it is their share; for differences of successes (-1, 0 or 1) the
+    difference of two shares on the same questions.
     """
     known = ~np.isnan(values)
     with np.errstate(invalid="ignore"):  # 0 / 0: a resample without a value
@@ -274,10 +274,10 @@ def sign_test(costs: ArrayLike, rival_costs: ArrayLike) -> PairedTest:
 def holm(p_values: ArrayLike) -> FloatArray:
     """Holm's adjusted p-values.
 
-    p_(i) becomes the largest of (m - j + 1) p_(j), j <= i; at most 1. Rejecting what is at most
-    alpha keeps the chance of any false rejection among all m tests at alpha, however the tests
-    depend on each other (Holm 1979, "A simple sequentially rejective multiple test procedure",
-    Scand. J. Stat. 6).
+    p_(i) becomes the largest of (m - j + 1) p_(j), j <= i; at most 1. Rejecting all hypotheses with
+    values up to alpha keeps the chance of any false rejection among all m tests at alpha, however
+    the tests depend on each other (Holm 1979, "A simple sequentially rejective multiple test
+    procedure", Scand. J. Stat. 6).
 
     The shape is (m,), in any order; NaN is no test: it stays NaN and is not counted in m.
     """

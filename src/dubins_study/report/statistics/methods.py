@@ -28,7 +28,7 @@ UNSTATED = "not stated"
 _STATED = ["formulation", "engine", "guess"]
 # It belongs to the formulation: engines with it and without it solve different problems.
 _PRESOLVE = "presolve"
-# Guesses that need no word where an engine and a formulation have no other.
+# Guesses that a name leaves out if an engine and a formulation have no other.
 _USUAL = ("none", "bearing", "warm", UNSTATED)
 _GUESSES = ("none", "bearing", "zero", "random", "warm", "given")
 
@@ -40,11 +40,11 @@ def methods_of(rows: pd.DataFrame) -> pd.DataFrame:
 
     Returns:
         Indexed by solver. Columns formulation, engine, guess; settings: those of the spec that
-        tell solvers with the same three apart (the solver's name if it states no engine; of a
-        plug-in's solver the engine is its own name, and it stands first), and the
-        presolve where it tells solvers of the formulation apart; variant: guess and settings, the
-        guess only where it is unusual or not the only one; short: engine and variant, for a figure
-        of one formulation; name: of a sentence, with formulation and guess.
+        distinguish solvers with the same three (the solver's name if it states no engine; the
+        engine of a plug-in's solver is its own name, and such solvers come first), and the presolve
+        where it distinguishes solvers of the formulation; variant: guess and settings, the guess
+        only where it is unusual or not the only one; short: engine and variant, for a figure of one
+        formulation; name: for sentences, with formulation and guess.
     """
     stated = rows.groupby("solver", observed=True)[_STATED].first().fillna(UNSTATED)
     names = stated.index.map(own_name).to_series(stated.index)

@@ -136,7 +136,7 @@ def _minute(started: str) -> str:
     return started[:16].replace("T", " ")
 
 
-# (what the numbers are of, what they therefore do not say)
+# (the subject of the numbers, and the limit that follows from it)
 _LIMITS = (
     (
         "One problem: to a point, perhaps through others, with any or a given heading at the end. "

@@ -97,7 +97,7 @@ def audit_tables(audit: dict[str, Any]) -> tuple[Table, ...]:
         Table(
             "audit-paths",
             "The printed segments, driven from the start: how far from the target they end, and "
-            f"how far correct roundings may end. {beyond['miss'].sum()} end farther away. Lengths.",
+            f"how far correct roundings may end. {beyond['miss'].sum()} end farther away.",
             paths,
             _PATHS,
             marks(beyond, "miss"),

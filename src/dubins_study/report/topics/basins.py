@@ -47,7 +47,7 @@ MARKS = (
     Mark(GIVES_UP, colour="#5d636b"),
 )
 
-# Claim that the check refutes -> what it says.
+# Refuted claim -> its content in words.
 REFUTED = {
     INFEASIBLE: "that no path exists where one does",
     FALSE_MINIMUM: "that a point is a minimum, though no minimum has its length",

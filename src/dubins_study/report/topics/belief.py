@@ -193,7 +193,7 @@ def _liars(rows: pd.DataFrame, table: pd.DataFrame) -> str:
 
 
 def _picture(table: pd.DataFrame) -> Picture:
-    plugins = own(table.index)  # beside what is shown without them
+    plugins = own(table.index)  # shown besides the chosen methods
     engines = table[~table.index.isin([EXACT, *plugins])].sort_values(
         [FALSE, DENIAL], ascending=False
     )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from itertools import chain
+from typing import NamedTuple
 
 import pandas as pd
 
@@ -46,7 +47,7 @@ from dubins_study.report.statistics.methods import (
     once,
 )
 
-# A method that was put to fewer of the questions would shrink what all have in common.
+# A method with a smaller share of the questions would shrink the set that all methods share.
 ENOUGH_ASKED = 0.9
 
 
@@ -70,8 +71,8 @@ def _costs(compared: Compared, rows: pd.DataFrame, cost: str) -> pd.DataFrame:
     """The cost table of the engines.
 
     At questions with a path; the closed form is left out. Methods that met fewer than nine tenths
-    of the questions, or of which no right answer says its cost, are left out. Columns in the order
-    of tables.
+    of the questions, or whose right answers have no cost, are left out. Columns in the order of
+    tables.
     """
     rows = rows[rows["solver"] != EXACT]
     if rows.empty:
@@ -84,13 +85,20 @@ def _costs(compared: Compared, rows: pd.DataFrame, cost: str) -> pd.DataFrame:
     return table[columns_shown]
 
 
-@once
-def mean_ranks(compared: Compared) -> tuple[pd.DataFrame, float]:
-    """Ranks of the methods; the shift of means (s).
+class Ranks(NamedTuple):
+    """Methods in the order of their ranks, and the shift of the means (s)."""
 
-    The ranks have shares right and means of `times`. A row per method in the order of the ranks:
-    its columns; questions, right (share) with its interval; mean (shifted geometric mean with
-    failures at the limit, s) with its own; and the columns of `ranking`.
+    methods: pd.DataFrame
+    shift: float
+
+
+@once
+def mean_ranks(compared: Compared) -> Ranks:
+    """Ranks of the methods, by means of `times`.
+
+    A row per method in the order of the ranks: its columns; questions, right (share) with its
+    interval; mean (shifted geometric mean with failures at the limit, s) with its own; and the
+    columns of `ranking`.
     """
     shared = shared_questions(times(compared))
     shift = chosen_shift(shared)
@@ -103,7 +111,7 @@ def mean_ranks(compared: Compared) -> tuple[pd.DataFrame, float]:
     frame = compared.methods.join(right, how="inner").reindex(shared.columns)
     frame = frame.join(compared.bootstrap(at_limit, geometric_means(shift), "mean"))
     frame = frame.join(ranking(shared, compared.limit_s, shift))
-    return frame.sort_values("mean", kind="stable"), shift
+    return Ranks(frame.sort_values("mean", kind="stable"), shift)
 
 
 LEVEL = 0.05
@@ -153,7 +161,7 @@ def _profiles(table: pd.DataFrame, ranked: pd.DataFrame, palette: Palette) -> Pi
     return panels_picture("comparison-profiles", caption, share_curves, alt, *data, same_x=False)
 
 
-# Rivals of a formulation's or an engine's best method that a table of tests shows.
+# Most rivals of a formulation's best method in a table of tests.
 _MOST_RIVALS = 6
 
 

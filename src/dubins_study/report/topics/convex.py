@@ -27,7 +27,7 @@ from dubins_study.report.statistics.costs import (
 from dubins_study.report.statistics.metrics import parse_spec, success
 from dubins_study.study.convex.problem import listed
 
-# `socp` is of a former set of problems
+# `socp` is the family of a former set of problems
 FAMILIES = {"qp": "QP", "tube": "tube", "time": "fastest drive", "socp": "SOCP"}
 _OWN = "own"
 _METHOD = ["family", "tolerance", "name"]
@@ -36,9 +36,9 @@ _METHOD = ["family", "tolerance", "name"]
 def with_parts(rows: pd.DataFrame) -> pd.DataFrame:
     """The rows of frozen problems with their parts.
 
-    Adds the columns family, interface, name, right and kept. Name: the engine, with what is not
-    usual. Right: the check calls the answer optimal within the tolerance asked for. Kept: primal
-    residual, dual residual and gap of both objectives are each within it.
+    Adds the columns family, interface, name, right and kept. Name: the engine, with `tuned` for
+    tuned options. Right: the check calls the answer optimal within the tolerance asked for. Kept:
+    primal residual, dual residual and gap of both objectives are each within it.
     """
     families = rows["label"].str.extract(r"^([a-z]+)-\d+-", expand=False).map(FAMILIES)
     rows = rows.assign(family=families)[families.notna()]

@@ -89,7 +89,7 @@ def _picture(table: pd.DataFrame, amount: str) -> Picture:
 def _bars(table: pd.DataFrame) -> pd.DataFrame:
     """The cheapest methods with more than one run.
 
-    If all have a single run, the cheapest. Of each formulation as many as a panel may have.
+    If all have a single run, the cheapest. A formulation has at most `_MOST` methods.
     """
     order = table.sort_values("total")
     several = order[order["other runs"] > _HARDLY]

@@ -25,7 +25,7 @@ from dubins_study.study.words import Outcome
 TITLE = "Where engines err, and where they stop"
 _KIND = ["formulation", "guesses"]
 _NO_GUESS = ("none", "")
-_MOST_LINES = 12  # solvers beside a reader's own, up to which each has a line
+_MOST_LINES = 12  # with a reader's own solver: up to this many solvers have a line each
 _SHARES = ("longer", "misses", "none", "late", "not asked")
 
 
@@ -49,10 +49,10 @@ def suites(rows: pd.DataFrame) -> pd.Series[str]:
 def best_supported(rows: pd.DataFrame) -> pd.DataFrame:
     """The best-supported method of each line and experiment.
 
-    A line is a formulation with its guesses. Of those asked more than half as often as any, so that
-    no sample displaces the whole: the lower end of the interval decides, then the median time.
-    Indexed by experiment, formulation and guesses; columns solver, share, low, high, trials and
-    wall_s (median).
+    A line is a formulation with its guesses. Only methods asked more than half as often as the most
+    asked one count, so that no sample wins. The lower end of the interval decides, then the median
+    time. Indexed by experiment, formulation and guesses; columns solver, share, low, high, trials
+    and wall_s (median).
     """
     keys = ["experiment", *_KIND]
     ranked = by_support(rows, [*keys, "solver"])

@@ -98,8 +98,8 @@ def existence_section(results: Results) -> Section | None:
     return Section("existence", "Where no path exists", text, tuple(tables), _LEAD)
 
 
-# The share of the violation that a step of one radian or radius removes, up to which a point counts
-# as stationary: as exactly as a path must arrive.
+# A point is stationary if a step of one radian or radius removes at most this share of the
+# violation. It is the tolerance with which a path must arrive.
 _STATIONARY = 1e-6
 
 
@@ -181,11 +181,10 @@ def _text(frame: pd.DataFrame) -> str:
 
 def _table(frame: pd.DataFrame) -> Table:
     caption = (
-        "Questions without a path, solver by solver. By presolve: geometry excluded them, and no "
-        "engine was asked. Right: it claims that no path exists. Locally: it claims that no path "
-        "is near its last point. Silent: it failed, reached a limit or claims nothing. Wrong: it "
-        "claims a path. Denies a path: of the questions that have one. Shares with their 95 % "
-        "interval (Wilson)."
+        "Questions without a path, solver by solver. By presolve: no engine was asked. Right: it "
+        "claims that no path exists; locally: that no path is near its last point; silent: it "
+        "failed, reached a limit or claims nothing; wrong: it claims a path. Denies a path: of the "
+        "questions that have one. Shares with their 95 % interval (Wilson)."
     )
     bad = frame.assign(wrong_text=frame["wrong"] > 0, denied_text=frame["denied"] > 0)
     return Table(

@@ -20,9 +20,9 @@ from dubins_study.study.scenario_frame import solve_command
 # Outcomes of a process that was stopped, and of one that was never called.
 STOPPED = ("timeout", "crashed", "raised", "out_of_memory")
 OUTCOMES = (*STOPPED, "unavailable", "not_asked")
-# What a failure is, the first that holds.
+# Kinds of failures; the first that holds counts.
 KINDS = ("no return", "no path", "misses", "longer")
-# What names an example, in the order in which a plainer one is chosen.
+# Columns that name an example; the plainest example is the first in their order.
 _EXAMPLE = (
     *("warm", "repeat", "distance", "x", "y", "heading", "target_x", "target_y"),
     *("radius", "branch", "profile", "experiment"),

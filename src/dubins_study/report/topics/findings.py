@@ -250,7 +250,7 @@ def findings_section(results: Results) -> Section | None:
     text = (
         f"Every finding is computed from the results of at least {ENOUGH} questions. The "
         "intervals of all sentences hold at once with 95 %. A difference is reported only if its "
-        "interval excludes equality."
+        "interval excludes zero difference."
     )
     lead = f"Read {some(len(every), 'sentence')} to act on, the most important first."
     return Section("findings", "What the study found", text, (_table(every),), lead)

@@ -28,10 +28,10 @@ from dubins_study.report.topics.comparison import (
 )
 from dubins_study.study.words import SAME_CODE
 
-# Fewer questions than this carry no finding: a bootstrap of so few scenarios is no guide.
+# Findings need at least this many questions: a bootstrap of fewer scenarios is unreliable.
 ENOUGH = 20
 
-_MOST_FLOOR = 0.5  # of a time that is compared
+_MOST_FLOOR = 0.5  # largest share of the floor in a time that is compared
 _TWO = digits(2)  # digits: another process shared the machine that took the times
 
 
@@ -134,7 +134,7 @@ class Evidence:
 
         Failures count as the limit; may be empty.
         """
-        return mean_ranks(self.compared)[0]
+        return mean_ranks(self.compared).methods
 
     @cached_property
     def claims(self) -> pd.DataFrame:
@@ -189,8 +189,8 @@ class Evidence:
     def at_floor(self) -> list[str]:
         """Solvers whose time is mostly the floor.
 
-        The floor is more than half of their median time: what their engines take for nothing. The
-        floor counts as often as the engine was called. No sentence compares their times.
+        The floor, which counts as often as the engine was called, is more than half of their median
+        time. No sentence compares their times.
         """
         rows = self.compared.answerable
         runs = rows["subproblem_runs"].map(np.sum, na_action="ignore").astype(np.float64)
@@ -254,8 +254,8 @@ class Evidence:
     def time_ratio(self, solver: str, base: str) -> Estimate | None:
         """The ratio of two solvers' median times.
 
-        Over the questions on which both are right. Of each question the median over its repeats
-        counts.
+        Over the questions on which both are right; a question counts by the median over its
+        repeats.
         """
         timed = set(times(self.compared).columns) - set(self.at_floor)
         if not {solver, base} <= timed:

@@ -23,8 +23,8 @@ from dubins_study.report.topics.findings_evidence import (
 from dubins_study.report.topics.routes import TITLE
 from dubins_study.study.arrays import FloatArray
 
-_LONG = 5  # legs from which engines are asked where they stop
-_SIZES = 4  # numbers of legs that an exponent is of, at least
+_LONG = 5  # legs, at least, of the routes on which engines stop
+_SIZES = 4  # an exponent needs at least this many numbers of legs
 _AT_ENDS = 20  # routes of the least and of the largest number of legs, at least
 _BEND = 10  # legs; on shorter routes a call costs more than its legs, which bends the line
 _RESAMPLES = 20_000
@@ -84,8 +84,8 @@ def _closed(rows: pd.DataFrame) -> pd.Series[bool]:
 def proof_of_routes(evidence: Evidence) -> Finding | None:
     """How many routes the search proves.
 
-    Also its time beside the best-supported engine without proofs. Of several engines with equal
-    support the fastest counts, spacing by spacing.
+    Also its time beside the best-supported engine without proofs, for each spacing. If several
+    engines have equal support, the fastest counts.
     """
     rows = routes_of(evidence)
     search = _search(evidence)

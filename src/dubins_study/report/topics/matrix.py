@@ -241,7 +241,7 @@ def _picture(cells: pd.DataFrame) -> Picture:
     reasons = " In brackets: why the pair has no row." if cells["note"].any() else ""
     caption = (
         "Percent of the questions with a path answered right, with the pair's best initial guess "
-        "and settings. This choice was made after the runs, which flatters a little."
+        "and settings. The choice was made after the runs, so the shares are slightly too high."
         f"{star}{reasons}"
     )
     alt = "Map of right answers, engines by formulations"

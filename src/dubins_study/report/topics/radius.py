@@ -35,7 +35,7 @@ from dubins_study.study.scenario_frame import scenario_of
 _FEWEST_RADII = 4  # fewer do not show a curve
 _ASKED = ["solver", "experiment", "scenario_id", "branch"]
 _PLACE = ["x", "y", "heading", "target_x", "target_y"]
-VISIBLE = 0.01  # relative; an answer that is longer by less lies on the line of the shortest ones
+VISIBLE = 0.01  # relative; an answer that is less too long lies on the line of the shortest
 _VISIBLE = f"{100 * VISIBLE:g} %"
 _MOST_LETTERS = 34  # of a solver's name in the figure
 _WORD_SHADE = {"LS": 0.06, "RS": 0.12, "RL": 0.22, "LR": 0.3}

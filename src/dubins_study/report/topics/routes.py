@@ -71,7 +71,7 @@ GAPS = {
     math.inf: Mark("most do not arrive", colour="#2f4c69"),
 }
 _APART = 1.3  # times as large, so that the names of two sizes do not touch
-_ALL_BUT_SAMPLES = 0.95  # share of the rows
+_ALL_BUT_SAMPLES = 0.95  # share of the rows; the others may be a sample
 _DARK = 3  # classes from this one on carry light text
 _LINES = 20  # of more, only the best supported of each formulation and kind of guess
 
@@ -119,7 +119,7 @@ def routes_section(results: Results) -> Section | None:
     return Section("routes", TITLE, _text(rows), blocks, lead)
 
 
-# minus the powers of ten of the largest gaps that data profiles ask for
+# The targets of data profiles: gaps of up to 10 to the power of minus these numbers.
 TARGETS = (2, 4, 8)
 _TIMES = np.geomspace(1e-4, 1e2, 121)  # s, twenty to a decade
 
@@ -247,8 +247,8 @@ def _picture(
         cells = cells[cells["solver"].isin(shown)]
     return panels_picture(
         "routes",
-        "Above: 5/6 means right on five of six routes (?: others are open); darker: longer "
-        "paths at the median. One row a formulation and guess, with its best-supported engine. "
+        "Above: 5/6 means right on five of six routes (?: others are open); darker: a larger "
+        "median gap. One row per formulation and guess, with its best-supported engine. "
         "Below: median times of these engines, failures included. The time at one leg is an upper "
         "bound of an engine's fixed cost. Dotted: the limit.",
         plot_sizes,
@@ -418,7 +418,7 @@ _CROSSINGS = 2_000  # places on the path that a text should not cover
 _WIDE_LEG = 12.0  # pt of the median leg; shorter ones have thinner lines and smaller dots
 _THINNEST_LINE = 0.5  # share of the full width
 _SMALLEST_DOT = 0.2  # share of the full size
-_MARGIN = 0.07  # around what is drawn, as a share of it
+_MARGIN = 0.07  # around the drawing, as a share of its size
 # Colour, line and width of each kind of piece: three shades and three lines in grey print.
 _TURNS: dict[str, tuple[str, dict[str, Any]]] = {
     "L": ("left", {"color": BLUE, "linestyle": "-", "linewidth": 2.4}),

@@ -27,8 +27,8 @@ _A_DECADE = 8  # points of a curve
 def reached(row: dict[Hashable, Any]) -> FloatArray:
     """Evaluations spent until each target is reached.
 
-    A target is reached when the attempt's best path is within it; infinite if never. Of an attempt
-    without a trace the evaluations of all of it, with the gap at its end.
+    A target is reached when the attempt's best path is within it; infinite if never. An attempt
+    without a trace counts with all its evaluations and the gap at its end.
     """
     if np.ndim(row["trace_evaluations"]) and len(row["trace_evaluations"]):
         spent = np.asarray(row["trace_evaluations"], np.float64)

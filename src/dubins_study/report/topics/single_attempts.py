@@ -204,7 +204,7 @@ _ARC_DIGITS = 7  # of controls, from which the page draws a path
 _EXACT = ("start_heading",)  # with all digits: the page draws a path from it
 _OF_SCENARIO = ("scenario_id", "label", "region", "margin", *NUMBERS)
 _MEASURED = [name for name in MEASURED if name not in ("evaluations", *_OF_SCENARIO)]
-# what a solver is made of stands once in the header
+# the header has the parts of a solver once
 _CODED = [name for name in TEXTS if name not in (*_OF_SCENARIO, *names(METHOD))]
 
 

@@ -66,7 +66,7 @@ def share_keys(*names: str) -> tuple[str, ...]:
     return tuple(keys)
 
 
-# The spec instead of the settings: it is what a reader hands to the command.
+# The spec instead of the settings: a reader passes it to the command.
 _COLUMNS = (
     *METHOD[:-1],
     SOLVER,
@@ -92,10 +92,9 @@ def summary_section(results: Results) -> Section | None:
         "Questions that have a path and that the solver takes. Right: the check finds the answer "
         f"optimal; failed attempts count. {INTERVAL_TEXT} The other columns count attempts. By "
         "presolve: presolve answered that no path exists, and no engine was asked. Undecided: the "
-        "shortest length is not known well enough; no share counts such attempts. A false claim "
-        "says more than the check finds; a wrong basin is a longer path that turns by another "
-        "angle. Not returned: timed out, crashed, raised or unavailable; or not asked, since the "
-        "solver had failed on shorter routes."
+        "shortest length is not known well enough; no share counts such attempts. The glossary "
+        "defines false claims and wrong basins. Not returned: timed out, crashed, raised or "
+        "unavailable; or not asked, since the solver had failed on shorter routes."
     )
     experiments = dict.fromkeys(run.name for run in results.folders)
     attempts_made = int(attempts["outcome"].ne(Outcome.NOT_ASKED).sum())

@@ -41,7 +41,7 @@ GAPS = {
     1e300: Mark("more", colour="#6a9cc4"),
     math.inf: Mark("most have no tour", colour="#2f4c69"),
 }
-# formulations of whose program an engine proves an optimum, and one that is the question itself
+# Formulations with a program that an engine solves to a proved optimum, and the question itself.
 PROVING = ("tour MILP", "tour circuit")
 _DISJUNCTION = "disjunction"
 _STRAIGHT_FIRST = "order then headings"  # the formulation of both orders by straight lines
@@ -49,9 +49,9 @@ _STRAIGHT_FIRST = "order then headings"  # the formulation of both orders by str
 BEST_OF_GRID = "best tour of"
 _STRAIGHT = "order by straight lines, best headings"
 _ALTERNATING = "that order, every other leg straight"
-# how the engines' words for an optimum of their program end, in small letters
+# Ends of the engines' words for an optimum of their program, in lower case.
 _OPTIMAL = ("optimal", "gaplimit", "glp_opt", "glp_emipgap")
-# what an engine's program leaves open when it ends, in the messages of `solvers.tour.graph`
+# The gap that an engine leaves in its program, in the messages of `solvers.tour.graph`
 _OWN_GAP = r"gap ([0-9.e+-]+), of "
 _WITHIN_S = (1, 10, 100)
 
@@ -61,7 +61,7 @@ def with_points(rows: pd.DataFrame) -> pd.DataFrame:
 
     Adds the columns points (their number), closes, own_gap and bound_gap. Closes: the tour is
     proved to be shortest, or an engine has solved its own program to the optimum. Its own gap is
-    what the engine left open of that program; NaN without a tour. The bound's gap is how far the
+    the gap that the engine left in that program; NaN without a tour. The bound's gap is how far the
     solver's bound of the shortest length lies below it, relative to it; NaN without a bound.
     """
     points = legs_of(rows) - is_true(rows["closed"])
@@ -83,8 +83,8 @@ def with_points(rows: pd.DataFrame) -> pd.DataFrame:
 def by_points(rows: pd.DataFrame) -> pd.DataFrame:
     """The table of `by_size` by number of points.
 
-    Its successes are the questions closed, of those asked. Of a method that proves nothing they are
-    0 of 0. The gap is an upper bound where the shortest length is not proved.
+    Its successes are the questions closed, of those asked; 0 of 0 for a method that proves nothing.
+    The gap is an upper bound where the shortest length is not proved.
     """
     cells = by_size(rows.assign(left_open=False), "points", "closes")
     proves = cells["solver"].isin(provers(rows))
@@ -148,9 +148,9 @@ def against_proof(rows: pd.DataFrame, settings: dict[str, dict[str, Any]]) -> pd
     """Answers compared with proved tours.
 
     To questions whose shortest tour is proved, one of each kind. The kinds are the best tour of a
-    grid, found by whichever engine has proved it, and both orders by straight lines. Columns: those
-    of the rows; kind; other_order, whether it passes the points in another order than the proved
-    tour. A closed tour may be driven either way.
+    grid, by any engine that has proved it, and both orders by straight lines. Columns: those of the
+    rows; kind; other_order, whether it passes the points in another order than the proved tour. A
+    closed tour may be driven either way.
     """
     proved = rows[rows["solver"].eq(EXACT) & rows["closes"]].drop_duplicates("scenario_id")
     orders = proved.set_index("scenario_id")["visit_order"]
