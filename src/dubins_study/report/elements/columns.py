@@ -48,7 +48,7 @@ def marks(frame: pd.DataFrame, *keys: str) -> dict[tuple[int, str], str]:
 
     Those of the columns `keys`; the mark is `bad`.
     """
-    marked = {}
+    marked: dict[tuple[int, str], str] = {}
     for key in keys:
         marked |= {(row, key): "bad" for row, bad in enumerate(frame[key]) if bad}
     return marked

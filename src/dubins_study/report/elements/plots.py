@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -342,7 +343,7 @@ def draw_cells(
         x, y: centres of the cells, shapes (n,) and (m,), evenly spaced.
         colours: a list of colours, or the name of a colour map.
     """
-    extent: list[float] = []
+    extent: list[Any] = []
     for centres in (x, y):
         half = np.diff(centres).mean() / 2 if centres.size > 1 else 0.5
         extent += [centres[0] - half, centres[-1] + half]

@@ -75,7 +75,7 @@ def dictionary(sections: Iterable[Section]) -> Table:
 
     One line for every column of every CSV file, in the order of the page.
     """
-    lines = []
+    lines: list[dict[str, str]] = []
     for section in sections:
         for block in section.blocks:
             if isinstance(block, Table):

@@ -90,7 +90,7 @@ def audit_tables(audit: dict[str, Any]) -> tuple[Table, ...]:
             "audit-cells",
             "The cells that are no correct roundings, all lengths. Double rounding: first to more "
             "decimals. Solver bias: model (4.12) at Ipopt's last barrier parameter, where "
-            "the missing turn is not quite zero. Wrong: neither of these, nor cut off.",
+            "the missing turn is not quite zero. Wrong: neither of these, nor truncated.",
             cells,
             _CELLS,
         ),

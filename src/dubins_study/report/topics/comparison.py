@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from itertools import chain
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import pandas as pd
 
@@ -123,7 +123,7 @@ def formulation_tests(table: pd.DataFrame, ranked: pd.DataFrame) -> pd.DataFrame
     The best method of each formulation against each of its others. In the order of `mean_ranks`.
     The columns of `paired_tests`, and formulation.
     """
-    pairs = {}
+    pairs: dict[tuple[str, str], Any] = {}
     for name, group in ranked.groupby("formulation", sort=False):
         best = group.index[0]
         pairs |= {(best, rival): name for rival in group.index[1:]}
