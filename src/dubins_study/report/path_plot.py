@@ -174,7 +174,7 @@ def _plot(
 ) -> None:
     """Draw the paths of a scenario.
 
-    Of one leg with a free final heading two, else one.
+    A leg with a free final heading has two paths, other scenarios have one.
     """
     if kind_of(scenario).drawing == "route":
         [(name, path)] = named_paths.items()
@@ -216,7 +216,7 @@ def check_format(file: str | FilePath) -> FilePath:
 def _reference(drawn: object) -> Path | None:
     """The shortest path beside a worse answer.
 
-    That of its branch; None unless the answer is longer or misses the target.
+    It is the path of the answer's branch; None unless the answer is longer or misses the target.
     """
     branch, scenario = getattr(drawn, "branch", None), getattr(drawn, "scenario", None)
     judged_badly = getattr(drawn, "verdict", None) in (Verdict.LONGER, Verdict.MISSES)

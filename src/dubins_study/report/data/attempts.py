@@ -66,8 +66,8 @@ def own(specs: Iterable[str]) -> list[str]:
 def legs_of(rows: pd.DataFrame) -> pd.Series[int]:
     """The number of legs of each row's scenario.
 
-    One to each via point and one to its end. A tour that may end at any of its points has no more
-    than they are.
+    Each via point has one leg that ends there, and so has the target. A tour that may end at any of
+    its points has as many legs as points.
     """
     via = rows["via_x"].map(lambda via: len(numbers_of("via_x", via) or ()))
     ends = rows["target_x"].notna() | is_true(rows["closed"])
@@ -115,7 +115,8 @@ def weights(rows: pd.DataFrame) -> pd.Series[float]:
 def questions(attempts: pd.DataFrame, which: pd.Series[bool]) -> pd.Series[float]:
     """Numbers of questions by solver.
 
-    Of some attempts. It is rounded, since the last digits of a sum depend on its order.
+    The weights of the chosen attempts are added. The sum is rounded, since its last digits depend
+    on the order.
     """
     return attempts["weight"].where(which, 0.0).groupby(attempts["solver"]).sum().round(6)
 

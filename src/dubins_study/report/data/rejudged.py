@@ -1,6 +1,6 @@
-"""Rows of another set-up, judged anew.
+"""Judge rows of another set-up anew.
 
-From their controls, when they are read.
+The check reads their controls when the rows are read.
 """
 
 from __future__ import annotations
@@ -35,9 +35,9 @@ _CHECKED = [f.name for f in (*fields(Judgement), *fields(Certificate)) if f.name
 
 
 class Recheck(NamedTuple):
-    """Numbers of rows judged anew in a folder.
+    """Numbers of rows that were judged anew.
 
-    Also how many were not, and the differences.
+    It also counts the rows that were not, and the differences.
     """
 
     judged: int
@@ -92,7 +92,7 @@ def judged_anew(rows: pa.Table, manifest: Manifest) -> tuple[pa.Table, Recheck]:
 def _checked(row: Mapping[str, Any], manifest: Manifest) -> dict[str, Any]:
     """The columns that the check fills.
 
-    From a row's controls and claim.
+    It judges a row's controls and claim.
     """
     scenario = scenario_of(row)
     branch = row["branch"]

@@ -110,9 +110,9 @@ class Results:
         return self.selections[names]
 
     def path(self, index: int) -> Path | None:
-        """The path of the row with this index.
+        """The path of a row, or None without one.
 
-        None if no path came back.
+        The row is given by its index.
         """
         [row] = self.controls.slice(index, 1).to_pylist()
         if row["curvatures"] is None or row["lengths"] is None:
@@ -166,10 +166,7 @@ def load_with_rows(
 
 
 class _Stored(NamedTuple):
-    """A results folder with its checked rows.
-
-    Also its manifest.
-    """
+    """A results folder: manifest and checked rows."""
 
     folder: FilePath
     manifest: Manifest

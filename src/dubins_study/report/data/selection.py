@@ -108,7 +108,7 @@ def select_attempts(
 def _own_machines(rows: pd.DataFrame) -> dict[str, str | None]:
     """The machine of each experiment.
 
-    That of most rows of the first folder with the experiment.
+    It made most rows of the first folder that has the experiment.
     """
     first = rows["folder"] == rows.groupby("experiment")["folder"].transform("min")
     modes = {str(name): part.mode() for name, part in rows[first].groupby("experiment")["machine"]}
@@ -130,7 +130,7 @@ def _other_limits(rows: pd.DataFrame) -> pd.Series[int]:
 def _is_current(rows: pd.DataFrame, manifests: Sequence[Manifest]) -> pd.Series[bool]:
     """Whether each row is of current code.
 
-    That is the code that the manifest names for its solver, as in `status`.
+    The manifest names this code for the row's solver, as in `status`.
     """
     named = [
         (folder, *entry)

@@ -33,10 +33,7 @@ class Column:
 
 
 def columns(show: Format = str, /, kind: str = "number", **titles: str) -> tuple[Column, ...]:
-    """Columns with the same format.
-
-    As key=title, in order.
-    """
+    """Columns with the same format: key=title, in order."""
     return tuple(Column(key, title, show, kind) for key, title in titles.items())
 
 
@@ -46,7 +43,7 @@ SOLVER = Column("solver", "solver", kind="solver")
 def marks(frame: pd.DataFrame, *keys: str) -> dict[tuple[int, str], str]:
     """Mark cells that are true or positive.
 
-    Those of the columns `keys`; the mark is `bad`.
+    The cells are those of the columns `keys`; the mark is `bad`.
     """
     marked: dict[tuple[int, str], str] = {}
     for key in keys:

@@ -60,8 +60,8 @@ class Table:
     def values(self) -> list[list[float | None]]:
         """The numbers behind the cells, row by row.
 
-        None of a cell that has no number. A text that ends in an interval, in a column `x_text`,
-        has the number in `x` or `x_share`.
+        A cell without a number has None. A text that ends in an interval, in a column `x_text`, has
+        the number in `x` or `x_share`.
         """
         shown = [_numbers_of(self.frame, column.key) for column in self.columns]
         return [list(row) for row in zip(*shown, strict=True)]
@@ -79,10 +79,7 @@ def _numbers_of(frame: pd.DataFrame, key: str) -> list[float | None]:
 
 @dataclass(frozen=True, eq=False)
 class Picture:
-    """A figure with its caption.
-
-    Also a text for readers who cannot see it.
-    """
+    """A figure with its caption and alternative text."""
 
     name: str  # stem of its file names
     caption: str  # what the figure shows, with units

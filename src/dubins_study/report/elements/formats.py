@@ -22,8 +22,8 @@ def slug(text: str) -> str:
 def digits(n: int) -> Format:
     """A format with `n` significant digits.
 
-    In plain notation between 1e-3 and 1e6. A whole number has thin spaces between thousands, as
-    those of `count`.
+    It uses plain notation between 1e-3 and 1e6. A whole number has thin spaces between thousands,
+    as those of `count`.
     """
 
     def show(value: Any) -> str:

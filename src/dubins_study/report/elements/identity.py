@@ -40,9 +40,9 @@ def interval_column(key: str, title: str) -> Column:
 
 
 def interval_keys(*keys: str) -> tuple[str, ...]:
-    """The columns of numbers and their intervals.
+    """Columns of numbers and of their intervals' ends.
 
-    Those of the intervals' ends; for the CSV file.
+    The CSV file has them.
     """
     names: list[str] = []
     for key in keys:
@@ -67,7 +67,7 @@ def with_interval_texts(frame: pd.DataFrame, **shows: Format) -> pd.DataFrame:
 def with_interval(show: Format, value: float, low: float, high: float) -> str:
     """A number and its interval as text.
 
-    For example `2.5 (2.1 to 3.4)`; a dash if the number is not known. Of a share: `25.0 % (21.0 to
+    An example is `2.5 (2.1 to 3.4)`. An unknown number gives a dash. Of a share: `25.0 % (21.0 to
     34.2)`.
     """
     if value != value:

@@ -137,7 +137,7 @@ def common_part(names: Sequence[str]) -> tuple[str, list[str]]:
 def one_line(text: str, most: int = _MOST_CHARACTERS) -> str:
     """A text on one line of limited length.
 
-    With at most `most` characters.
+    It has at most `most` characters.
     """
     line = " ".join(text.split())
     return line if len(line) <= most else f"{line[: most - 1]}…"
@@ -195,7 +195,7 @@ class Palette:
     def of_page(cls, results: Results) -> Self:
         """The palette of all engines of a page.
 
-        By its solvers' specs.
+        It knows the engines by the solvers' specs.
         """
         stated = names_of(results)["engine"]
         engines = {str(spec): parse_spec(str(engine))[0] for spec, engine in stated.items()}
@@ -239,13 +239,10 @@ class Palette:
     def names(self, specs: Iterable[str]) -> dict[str, str]:
         """The names of a figure's solvers.
 
-        Of a short name only the part that distinguishes it.
+        A name has only the part of the short name that distinguishes it.
         """
         return figure_names({spec: self.label(spec) for spec in specs})
 
     def label(self, spec: str) -> str:
-        """A solver's short name, or its spec.
-
-        The spec if the page has no name.
-        """
+        """A solver's short name, or else its spec."""
         return self.labels.get(spec) or one_line(spec)

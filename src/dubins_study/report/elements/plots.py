@@ -81,8 +81,8 @@ def quartile_lines(
 ) -> Figure:
     """Median and quartiles of durations (s).
 
-    On a logarithmic axis, a named line per row. Columns: those of `named_lines`, solver, and `key`,
-    `key`_q1 and `key`_q3.
+    The axis is logarithmic; each row has a named line. Columns: those of `named_lines`, solver, and
+    `key`, `key`_q1 and `key`_q3.
     """
     figure, axes = named_lines(table, label, narrow=narrow)
     looks = palette.looks(table["solver"])
@@ -224,7 +224,8 @@ def share_curves(
 ) -> Figure:
     """Rising shares over a logarithmic axis.
 
-    In one wide panel or several small ones. The panels of a `narrow` figure stand in one column.
+    The figure has one wide panel or several small ones. The panels of a `narrow` figure stand in
+    one column.
 
     `shares` has for each panel's title shares in [0, 1], indexed by x (ascending), a column per
     solver; curves of solvers that are not in `names` are grey, and so are those behind the first
@@ -268,7 +269,7 @@ def share_curves(
 def _draw_shares(ax: Axes, table: pd.DataFrame, names: Mapping[str, str], palette: Palette) -> None:
     """Draw the columns of a table over its index.
 
-    Those with a name are in colour and in the legend below.
+    Columns with a name are in colour, and in the legend below.
     """
     looks = palette.looks(names)
     lines = {}

@@ -27,9 +27,9 @@ Style: TypeAlias = dict[str, Any]  # keywords of matplotlib
 
 
 class Hue(NamedTuple):
-    """One hue's values on both pages.
+    """One hue on the light and the dark page.
 
-    On the light and on the dark page, `#rrggbb`.
+    The values are `#rrggbb`.
     """
 
     light: str
@@ -104,7 +104,7 @@ _SETTINGS: Style = {
 def css_values(mode: str) -> str:
     """The CSS declarations of all hues.
 
-    For one mode of the page, `light` or `dark`.
+    The mode of the page is `light` or `dark`.
     """
     return " ".join(f"--{name}: {getattr(hue, mode)};" for name, hue in _NAMED.items())
 
@@ -113,7 +113,7 @@ def css_values(mode: str) -> str:
 def drawing() -> Iterator[None]:
     """Use the study's matplotlib settings inside `with`.
 
-    For drawing and for saving.
+    Figures are drawn and saved inside the block.
     """
     with mpl.rc_context():
         mpl.rcdefaults()
@@ -135,7 +135,7 @@ _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 def power(value: float, _: object = None) -> str:
     """A power of ten as a tick label.
 
-    Without mathtext; plain from 0.01 to 1000.
+    It needs no mathtext, and is plain from 0.01 to 1000.
     """
     if value <= 0:
         return "0"
@@ -148,7 +148,7 @@ def power(value: float, _: object = None) -> str:
 def log_axis(axis: Axis, unit: str = "") -> None:
     """Make an axis logarithmic and label its decades.
 
-    With prefixes before a unit such as `ms`. Fewer are labelled if there are many decades.
+    A label has a prefix before a unit such as `ms`. Fewer are labelled if there are many decades.
     """
     axis.set_major_locator(LogLocator(numticks=8))
     formatter = EngFormatter(unit) if unit else FuncFormatter(power)

@@ -41,7 +41,7 @@ def _no_formula(value: object) -> object:
 def to_tex(table: Table) -> str:
     """The table as a LaTeX `longtable`.
 
-    With the rules of booktabs, in UTF-8 for LuaLaTeX; solvers by short names.
+    It has the rules of booktabs and short names of solvers, in UTF-8 for LuaLaTeX.
     """
     frame = pd.DataFrame(table.texts(), columns=[column.title for column in table.columns])
     for place, column in enumerate(table.columns):

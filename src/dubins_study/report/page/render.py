@@ -59,7 +59,7 @@ _ASKED = (
 def head_of(folders: Sequence[Folder]) -> Head:
     """Title and question of the page.
 
-    Those of the experiment; of several experiments the report's.
+    They are the experiment's, or the report's if there are several experiments.
     """
     first = folders[0]
     if len({folder.name for folder in folders}) > 1:
@@ -265,10 +265,7 @@ def _template() -> Template:
 
 
 def warnings(run: Folder) -> list[str]:
-    """Warnings about a folder's numbers.
-
-    Empty if there is no problem.
-    """
+    """Warnings about a folder's numbers, perhaps none."""
     lines = []
     if not run.rows.current:
         lines.append("It has no rows, so no number here comes from it.")
@@ -311,9 +308,9 @@ def differing(recheck: Recheck) -> str:
 
 
 def left_out(run: Folder) -> list[str]:
-    """The rows that the report leaves out.
+    """Rows that the report leaves out, with reasons.
 
-    With reasons; empty if it shows all of the folder.
+    The list is empty if the report shows all rows of the folder.
     """
     lines = {
         "of earlier code of their solvers": run.rows.stale,

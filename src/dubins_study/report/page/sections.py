@@ -1,6 +1,6 @@
-"""The report's sections in the order of the page.
+"""The sections of the report, in page order.
 
-Also the attempts that each section shows.
+This module also selects the attempts that each section shows.
 """
 
 from __future__ import annotations
@@ -143,7 +143,7 @@ def _of_kinds(keys: Mapping[str, str | None]) -> dict[General, set[str]]:
 def _named_after(section: Section, experiment: str) -> Section:
     """The section, named after the experiment.
 
-    In its title, its anchor and its files' names.
+    The name is in its title, its anchor and its files' names.
     """
     end = slug(experiment)
     blocks = tuple(replace(block, name=f"{block.name}-{end}") for block in section.blocks)

@@ -163,7 +163,7 @@ def _path(row: PrintedRow) -> Record:
 def _algorithm() -> list[Record]:
     """Algorithm 1 on each test problem.
 
-    At the radius at which a turning circle passes through the target. A turning circle passes
+    The radius is that at which a turning circle passes through the target. A turning circle passes
     through the target at the radius R* = r^2 / (2 |Y|); r is the target's distance and Y its offset
     from the start's heading line. For larger radii the optimum begins with a turn away from the
     target (RL in the left disc, LR in the right disc). Of the algorithm's two words, only the one
@@ -263,7 +263,7 @@ def _is_ticks(printed: str) -> bool:
 def contradictions(computed: Record, committed: Record) -> list[str]:
     """Differences from the committed audit.
 
-    As lines of a unified diff.
+    They are lines of a unified diff.
     """
     ours = json.dumps(computed, indent=1, ensure_ascii=False).splitlines()
     theirs = json.dumps(committed, indent=1, ensure_ascii=False).splitlines()

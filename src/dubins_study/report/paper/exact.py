@@ -1,9 +1,9 @@
 """The paper's paths in interval arithmetic.
 
-By Arb, through python-flint; also printed numbers. Everything is computed in the vehicle's frame at
-unit radius, as in `study.closed_form.shortest`, but with proven bounds and with the exact headings
-of the paper (2 pi/3 is not rounded to a double). The formulas are not trusted: each path is driven,
-and must arrive.
+Arb computes them, through python-flint; printed numbers are compared with them. Everything is
+computed in the vehicle's frame at unit radius, as in `study.closed_form.shortest`, but with proven
+bounds and with the exact headings of the paper (2 pi/3 is not rounded to a double). The formulas
+are not trusted: each path is driven, and must arrive.
 """
 
 from __future__ import annotations
@@ -58,16 +58,13 @@ def truncated(value: arb, places: int) -> Decimal:
 def rounded(value: arb, places: int) -> Decimal:
     """A number rounded to `places` decimals, proven.
 
-    Half up; the number is not negative.
+    Half is rounded up; the number is not negative.
     """
     return truncated(value + half_unit(places), places)
 
 
 def rounded_twice(value: arb, first: int, places: int) -> Decimal:
-    """A number rounded twice.
-
-    To `first` decimals, then to `places`.
-    """
+    """A number rounded to `first` decimals, then `places`."""
     return rounded(value, first).quantize(Decimal(1).scaleb(-places), ROUND_HALF_UP)
 
 
@@ -91,7 +88,7 @@ def heading(problem: Problem) -> arb:
 def target(problem: Problem, radius: arb) -> acb:
     """The target in the vehicle's frame.
 
-    In units of `radius`; its conjugate is mirrored.
+    Its unit is `radius`; its conjugate is mirrored.
     """
     return acb(*problem.target) * direction(-heading(problem)) / radius
 
@@ -107,7 +104,7 @@ def after_left(at: acb, angle: arb) -> acb:
 def left_straight(at: acb) -> tuple[arb, arb]:
     """Turn and straight of LS.
 
-    To a target outside the left turning circle. Seen from the circle's centre, the target lies s
+    The target is outside the left turning circle. Seen from the circle's centre, the target lies s
     along and 1 across the direction of arrival.
     """
     straight = (abs(at - 1j) ** 2 - 1).sqrt()
@@ -120,7 +117,7 @@ def left_straight(at: acb) -> tuple[arb, arb]:
 def pieces(problem: Problem, word: str) -> Pieces:
     """z1, z2, z3 of the paper's LS or RS.
 
-    In the length unit; an assertion checks that the path arrives.
+    They are in the length unit; an assertion checks that the path arrives.
     """
     at = target(problem, arb(problem.radius))
     unit = left_straight(at if word == "LS" else at.conjugate())
@@ -152,11 +149,11 @@ IPOPT_BARRIER = 0.02 ** (1.5**4)
 def biased(problem: Problem, word: str) -> Pieces:
     """z1, z2, z3 where Ipopt's barrier stops.
 
-    On model (4.12), near the LS or RS; to ten digits. z1 parametrises the model's feasible curve.
-    At unit radius, with the target at (X, Y) after the first turn, dz2 = 1 - 2 cos z2 + 2 X / z3
-    and dz3 = -2 X / z3, so df = 2 (1 - cos z2), and f - (mu / R) (log z1 + log z2 + log z3) is
-    stationary where `slope` is `weight` times `pull`. Near LS that is z2 = (mu R^2)^(1/3) in length
-    units: the segments are off while f holds to mu's order.
+    The model is (4.12); the values, near the LS or RS, have ten digits. z1 parametrises the model's
+    feasible curve. At unit radius, with the target at (X, Y) after the first turn, dz2 = 1 - 2 cos
+    z2 + 2 X / z3 and dz3 = -2 X / z3, so df = 2 (1 - cos z2), and f - (mu / R) (log z1 + log z2 +
+    log z3) is stationary where `slope` is `weight` times `pull`. Near LS that is z2 = (mu
+    R^2)^(1/3) in length units: the segments are off while f holds to mu's order.
     """
     R = problem.radius
     at = target(problem, arb(R))

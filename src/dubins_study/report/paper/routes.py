@@ -1,6 +1,6 @@
-"""Published lengths of routes, compared with proofs.
+"""Published lengths of routes beside proven intervals.
 
-With the proven interval around the shortest length. The routes are the four examples of C. Y. Kaya,
+An interval is around the shortest length. The routes are the four examples of C. Y. Kaya,
 Markov-Dubins interpolating curves, Computational Optimization and Applications 73 (2019) 647-677,
 which the packaged experiment `kaya` holds. The lengths (in `printed.toml`) stand in the test
 programs of icosac/MPDP, a solver by dynamic programming: Kaya's as `KayaLengths` in
@@ -26,7 +26,7 @@ TOO_SHORT = "too short"
 class PrintedRoute(NamedTuple):
     """A published length of a route.
 
-    As printed, with the verdict that the audit expects.
+    It is as printed, with the verdict that the audit expects.
     """
 
     source: str

@@ -87,7 +87,7 @@ def penalised(table: pd.DataFrame, limit: float, factor: float = 1.0) -> pd.Data
 def ranking(table: pd.DataFrame, limit: float, shift: float) -> pd.DataFrame:
     """Ranks that do not depend on shift and penalty.
 
-    By the shifted geometric mean of penalised costs. Each of `SHIFT_FACTORS` with each of
+    They order the shifted geometric means of penalised costs. Each of `SHIFT_FACTORS` with each of
     `PENALTIES` gives a ranking, over the questions put to all solvers. A rank that changes with the
     shift or the penalty is missing. The limit of an attempt and the shift are in the unit of the
     table.
@@ -142,9 +142,9 @@ AMOUNTS = {
 def split(compared: Compared) -> dict[str, pd.DataFrame]:
     """Costs of right answers, by kind.
 
-    At questions with a path, in each of `AMOUNTS`. A row per attempt; answers whose winning run is
-    not known are left out. Columns solver, `KINDS` and total (of the whole attempt); NaN where the
-    engine does not count.
+    The questions have a path; the costs are in each of `AMOUNTS`. A row per attempt; answers whose
+    winning run is not known are left out. Columns solver, `KINDS` and total (of the whole attempt);
+    NaN where the engine does not count.
     """
     rows = compared.answerable
     rows = rows[rows["right"] & (rows["best_run_s"] > 0)]

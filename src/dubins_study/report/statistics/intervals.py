@@ -104,15 +104,15 @@ def bootstrap(
     resamples: int | None = None,
     of: int = 1,
 ) -> pd.DataFrame:
-    """A statistic with its percentile interval, by column.
+    """A statistic of each column with its percentile interval.
 
-    By the cluster bootstrap over scenarios. A resample draws as many scenarios as there are, with
-    replacement, and takes all rows of each: repeats of one scenario stay together, since they are
-    not independent (Davison and Hinkley 1997, Bootstrap Methods and their Application, sec. 3.8).
-    All columns, and all calls, see the same resamples, so that a ratio compares like with like. The
-    interval is that of Efron and Tibshirani 1993, An Introduction to the Bootstrap, ch. 13: it
-    keeps its meaning under any increasing transformation of the cost, and with infinite costs; the
-    BCa interval needs the jackknife, which fails for medians (ch. 11).
+    The method is the cluster bootstrap over scenarios. A resample draws as many scenarios as there
+    are, with replacement, and takes all rows of each: repeats of one scenario stay together, since
+    they are not independent (Davison and Hinkley 1997, Bootstrap Methods and their Application,
+    sec. 3.8). All columns, and all calls, see the same resamples, so that a ratio compares like
+    with like. The interval is that of Efron and Tibshirani 1993, An Introduction to the Bootstrap,
+    ch. 13: it keeps its meaning under any increasing transformation of the cost, and with infinite
+    costs; the BCa interval needs the jackknife, which fails for medians (ch. 11).
 
     Of medians an infinite value is a failure and counts as the largest cost; NaN was not measured
     and is left out. A resample without any value of a column is left out of its quantiles.

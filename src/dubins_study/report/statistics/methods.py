@@ -86,10 +86,7 @@ def methods_of(rows: pd.DataFrame) -> pd.DataFrame:
 
 
 def _joined(*texts: pd.Series[str]) -> pd.Series[str]:
-    """Texts side by side, joined by commas.
-
-    Empty texts are left out.
-    """
+    """Texts joined by commas, without empty ones."""
     lines = zip(*texts, strict=True)
     return pd.Series(
         [", ".join(filter(None, line)) for line in lines], texts[0].index, dtype=object
@@ -152,8 +149,8 @@ def drawn_methods(frame: pd.DataFrame) -> pd.DataFrame:
 def foremost(scores: pd.Series[float], most: int = MOST_ENGINES) -> list[str]:
     """Solvers whose curves are in colour.
 
-    Plug-ins' and those with the largest scores, in the order of the index. A figure draws their
-    curves in colour and the others in grey.
+    They are plug-ins' and those with the largest scores, in the order of the index. A figure draws
+    their curves in colour and the others in grey.
     """
     best = scores.sort_values(ascending=False, kind="stable").index
     chosen = set([*own(best), *best][:most])
@@ -281,10 +278,9 @@ _UNREAD = [column.name for column in ROW if column.detail]
 
 @once
 def compared(results: Results) -> Compared | None:
-    """The attempts by which solvers are compared.
+    """Attempts by which solvers are compared, or None.
 
-    None if there are none. Left out: attempts from another solver's path, and those of engines that
-    are not installed.
+    Left out: attempts from another solver's path, and those of engines that are not installed.
     """
     rows = results.rows.drop(columns=_UNREAD)
     cold = rows[(rows["initial_guess"] == "cold") & rows["outcome"].ne("unavailable")]

@@ -1,6 +1,6 @@
 """Pure functions that compute numbers.
 
-From rows, or from attempts as they are counted. Shares are of the questions that a method takes. A
+They read rows, or attempts as they are counted. Shares are of the questions that a method takes. A
 failed attempt stays in every denominator, and in a quantile of gaps an attempt without a gap counts
 as infinite.
 """
@@ -45,7 +45,7 @@ def natural(text: str) -> tuple[tuple[bool, float, str], ...]:
 def solver_order(solvers: Sequence[str]) -> list[str]:
     """Distinct solvers in the order of tables.
 
-    Plug-ins', the closed form, then by name, variants after the plain one.
+    The order: plug-ins', the closed form, then by name, variants after the plain one.
     """
 
     def rank(spec: str) -> tuple[object, ...]:
@@ -111,8 +111,8 @@ def circle_radius(x: float, y: float, heading: float, target_x: float, target_y:
 def fitted_order(n: ArrayLike, gap: ArrayLike, floor: float = 1e-13) -> float:
     """The fitted order p of gap ~ n^-p.
 
-    By least squares on logarithms; NaN if there are not two n. Both have shape (m,), n counts
-    steps. Gaps up to `floor` are left out: rounding dominates them.
+    The fit is by least squares on logarithms; NaN if there are not two n. Both have shape (m,), n
+    counts steps. Gaps up to `floor` are left out: rounding dominates them.
     """
     steps = np.asarray(n, dtype=np.float64)
     gaps = np.asarray(gap, dtype=np.float64)

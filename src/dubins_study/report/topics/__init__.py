@@ -1,4 +1,4 @@
-"""One module per topic
+"""One module per topic.
 
 Each has the numbers, the figures and the section of its topic.
 """

@@ -1,6 +1,6 @@
 """The solvers, the runs, and the limits.
 
-Also the data dictionary: the meaning of every column of the rows.
+The data dictionary has the meaning of every column of the rows.
 """
 
 from __future__ import annotations
@@ -164,10 +164,7 @@ _LIMITS = (
 
 
 def limits_section(_: Results | None) -> Section:
-    """The limits of the numbers.
-
-    Also the meaning of every column of the rows.
-    """
+    """The limits of the numbers, and the data dictionary."""
     lead = "On the left: what the numbers of this page measure. On the right: what they do not say."
     text = (
         "Below is the data dictionary: every column of the rows in a results folder's Parquet "

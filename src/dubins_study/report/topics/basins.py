@@ -140,7 +140,7 @@ def outcomes_of(table: pd.DataFrame) -> dict[str, float]:
 def capping(table: pd.DataFrame) -> dict[bool, dict[str, float]]:
     """The outcomes without (False) and with capped turns.
 
-    Of the solvers that ran with both. Empty if there is no such solver.
+    Only solvers that ran with both count. Empty if there is no such solver.
     """
     capped = table["solver"].map(is_capped)
     names = table["solver"].map(lambda spec: parse_spec(spec)[0])
@@ -190,9 +190,9 @@ def _names(results: Results, solvers: list[str]) -> dict[str, str]:
 
 
 def _outcomes(table: pd.DataFrame) -> str:
-    """How often the optimum is reached.
+    """Shares of optima, and the refuted statements.
 
-    Also what the check refutes, over all solvers.
+    The numbers are over all solvers.
     """
     outcomes = outcomes_of(table)
     most = table["turns"].fillna(0).max()
@@ -229,7 +229,7 @@ def _cap(change: Mapping[bool, dict[str, float]]) -> str:
 def _pictures(table: pd.DataFrame, names: Mapping[str, str]) -> list[Picture]:
     """Each scenario's maps, one per solver.
 
-    At most `_ACROSS` stand side by side.
+    At most `_ACROSS` maps stand side by side.
     """
     order = solver_order(table["solver"].tolist())
     place = table["solver"].map(order.index)

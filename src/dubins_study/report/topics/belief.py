@@ -66,10 +66,10 @@ PROOFS = tuple(_SHORT)
 def claims(compared: Compared) -> pd.DataFrame:
     """Engines' attempts with the worth of each claim.
 
-    Without those that the presolve answered. `truth` is one of `TRUTHS`; a local optimum of another
-    word is no false claim of a local solver. `proof` is the kind of a false claim, one of `PROOFS`;
-    missing if the claim is true. `excess` is by how much its bound is too high, relative to the
-    shortest length, or to a larger radius.
+    Attempts that the presolve answered are left out. `truth` is one of `TRUTHS`; a local optimum of
+    another word is no false claim of a local solver. `proof` is the kind of a false claim, one of
+    `PROOFS`; missing if the claim is true. `excess` is by how much its bound is too high, relative
+    to the shortest length, or to a larger radius.
     """
     rows = compared.rows[~compared.rows["presolved"]]
     claim = rows["claim"].fillna("none")
@@ -110,9 +110,9 @@ def beliefs(rows: pd.DataFrame) -> pd.DataFrame:
 def false_proofs(rows: pd.DataFrame) -> pd.DataFrame:
     """False claims by solver and kind, with examples.
 
-    Of each kind the plainest example. In the order of `PROOFS`: solver, proof, attempts, questions,
-    most (the largest excess of a bound); of the example its scenario, lengths, tolerance and
-    command.
+    Each kind has its plainest example. In the order of `PROOFS`: solver, proof, attempts,
+    questions, most (the largest excess of a bound); of the example its scenario, lengths, tolerance
+    and command.
     """
     false = rows[rows["proof"].notna()]
     order = plainest(false, ["solver", "proof"])

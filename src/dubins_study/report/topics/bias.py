@@ -86,7 +86,7 @@ _TOLERANCES = {"equal": 1e-9, "default": 1e-8, "tuned": 1e-8}
 def barrier(spec: str, settings: Mapping[str, Mapping[str, Any]]) -> float:
     """The barrier at which a spec stops.
 
-    On the unsplit model; NaN for any other solver.
+    The model is the unsplit one; NaN for any other solver.
     """
     group = settings.get(spec, {})
     if parse_spec(spec)[0] != "ipopt" or group.get("model") != "joint":
@@ -98,7 +98,7 @@ def barrier(spec: str, settings: Mapping[str, Mapping[str, Any]]) -> float:
 def slope(table: pd.DataFrame) -> float:
     """Fitted slope of log z2 against log predicted.
 
-    By least squares; NaN if there are not two places.
+    The fit is by least squares; NaN if there are not two places.
     """
     return -fitted_order(table["predicted"], table["z2"], floor=0.0)
 

@@ -29,7 +29,7 @@ _STOPPED_OUTCOMES = ("timeout", "out_of_memory")
 class Caution(NamedTuple):
     """A conclusion that the rows do not support.
 
-    With its number of questions or attempts, and the section that shows it.
+    `of` is the number of questions or attempts; `shown_in` names the section that shows it.
     """
 
     sentence: str

@@ -55,7 +55,7 @@ ENOUGH_ASKED = 0.9
 def times(compared: Compared) -> pd.DataFrame:
     """The cost table of times (s).
 
-    Of whole attempts on this machine; see `_costs`.
+    The times are of whole attempts on this machine; see `_costs`.
     """
     rows = compared.answerable
     return _costs(compared, rows[~rows["elsewhere"]], "wall_s")
@@ -70,7 +70,7 @@ def evaluations(compared: Compared) -> pd.DataFrame:
 def _costs(compared: Compared, rows: pd.DataFrame, cost: str) -> pd.DataFrame:
     """The cost table of the engines.
 
-    At questions with a path; the closed form is left out. Methods that met fewer than nine tenths
+    The questions have a path; the closed form is left out. Methods that met fewer than nine tenths
     of the questions, or whose right answers have no cost, are left out. Columns in the order of
     tables.
     """
@@ -86,7 +86,10 @@ def _costs(compared: Compared, rows: pd.DataFrame, cost: str) -> pd.DataFrame:
 
 
 class Ranks(NamedTuple):
-    """Methods in the order of their ranks, and the shift of the means (s)."""
+    """Methods in the order of their ranks.
+
+    `shift` (s) is the shift of the means.
+    """
 
     methods: pd.DataFrame
     shift: float

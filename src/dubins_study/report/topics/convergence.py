@@ -67,7 +67,7 @@ def refined(rows: pd.DataFrame, settings: Settings) -> pd.DataFrame:
 def sizes_of(rows: pd.DataFrame, settings: Settings) -> dict[str, int]:
     """Map each spec to its fineness.
 
-    Of the solvers of the rows that have one.
+    Solvers of the rows without a fineness are left out.
     """
     sizes = {}
     for spec in rows["solver"].unique():

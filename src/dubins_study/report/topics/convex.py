@@ -1,6 +1,6 @@
 """Convex problems: engines of QPs and SOCPs.
 
-By family and accuracy, and what cvxpy adds to the times.
+They are compared by family and accuracy, and with and without cvxpy.
 """
 
 from __future__ import annotations
@@ -93,7 +93,7 @@ def by_method(rows: pd.DataFrame) -> pd.DataFrame:
 def shift_of(rows: pd.DataFrame) -> float:
     """The shift of all means (s).
 
-    From the times of right answers.
+    It is chosen from the times of right answers.
     """
     return chosen_shift(rows.loc[rows["right"], "wall_s"])
 
@@ -164,7 +164,7 @@ def _through_cvxpy(rows: pd.DataFrame) -> str:
 def _profiles(rows: pd.DataFrame, results: Results) -> Picture:
     """Performance profiles at each tolerance.
 
-    Of QPs and of programs with cones.
+    QPs and programs with cones have panels of their own.
     """
     timed = rows[rows["wall_s"].notna()]
     kinds = timed["family"].eq(FAMILIES["qp"]).map({True: "QP", False: "with cones"})

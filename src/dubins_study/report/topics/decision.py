@@ -87,8 +87,8 @@ def ends(rows: pd.DataFrame) -> dict[Hashable, dict[Any, float]]:
 def stops(rows: pd.DataFrame, strata: Sequence[str]) -> dict[Hashable, str]:
     """Up to how many legs engines are right.
 
-    On most routes of every size, spacing by spacing. By formulation and guesses; empty without
-    routes. A spacing is one of the `strata`.
+    An engine is right on most routes of every size up to this, for each spacing. By formulation and
+    guesses; empty without routes. A spacing is one of the `strata`.
     """
     routes = rows.assign(legs=legs_of(rows))
     routes = routes[routes["legs"].groupby(routes["experiment"]).transform("max") > 1]
@@ -107,8 +107,8 @@ def stops(rows: pd.DataFrame, strata: Sequence[str]) -> dict[Hashable, str]:
 def decision_section(results: Results) -> Section | None:
     """A table of formulations.
 
-    Without attempts to compare, a sentence says so. A plug-in's solver has a line of its own,
-    before all others. Every solver has one if a suite has too few questions to choose the best
+    If there are no attempts to compare, a sentence says so. A plug-in's solver has a line of its
+    own, before all others. Every solver has one if a suite has too few questions to choose the best
     supported of each formulation.
     """
     attempts = compared(results)

@@ -85,7 +85,7 @@ _NUMBERS = (
 def existence_section(results: Results) -> Section | None:
     """The section's tables and its text.
 
-    Right, silent and wrong answers where no path exists; paths that are denied.
+    They have right, silent and wrong answers where no path exists, and paths that are denied.
     """
     frame = existence(results.attempts)
     if not (frame[["reached", "presolved"]].any(axis=None)):

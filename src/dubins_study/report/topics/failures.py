@@ -70,8 +70,8 @@ def plainest(attempts: pd.DataFrame, keys: list[str]) -> pd.DataFrame:
 def failures(attempts: pd.DataFrame) -> pd.DataFrame:
     """Failures counted by their message.
 
-    By outcome, claim, verdict and the gist of the message. Those of stopped processes first, then
-    the largest. Columns: solver, outcome, claim, verdict, message (of the status if there is no
+    They are also counted by outcome, claim and verdict. Those of stopped processes first, then the
+    largest. Columns: solver, outcome, claim, verdict, message (of the status if there is no
     message), attempts; those of an example, the first repeat with the nearest target.
     """
     failed = attempts[kinds_of(attempts) != ""]
@@ -130,9 +130,9 @@ def failures_section(results: Results | None) -> Section:
 
 
 def _lost_text(lost: pd.Series[int], total: int) -> str:
-    """How many attempts did not return.
+    """How many attempts did not return, by reason.
 
-    By reason; empty if all returned.
+    The text is empty if all returned.
     """
     if not lost.any():
         return ""
@@ -143,7 +143,7 @@ def _lost_text(lost: pd.Series[int], total: int) -> str:
 def _failed_text(kinds: pd.Series[int], asked: int) -> str:
     """How many attempts failed, by kind.
 
-    At questions with a path; empty if none failed.
+    The questions have a path; the text is empty if none failed.
     """
     failed = kinds.sum()
     if not failed:

@@ -88,7 +88,7 @@ def words_against_joint(evidence: Evidence) -> Finding | None:
 def blind_start(evidence: Evidence) -> Finding | None:
     """One guess toward the points against a straight line.
 
-    With the same engine, formulation and settings.
+    Engine, formulation and settings are the same.
     """
     pairs = evidence.pairs(["formulation", "engine", "settings"], "guess", "one", "straight")
     points = _points(evidence, pairs)
@@ -112,7 +112,7 @@ def blind_start(evidence: Evidence) -> Finding | None:
 def _apart(evidence: Evidence, pairs: list[Pair]) -> pd.DataFrame:
     """Differences of shares right, by question and pair.
 
-    By how many percentage points the first of each pair is right more often.
+    They are the percentage points by which the first of each pair is right more often.
     """
     rates = evidence.rates
     apart = {first: 100 * (rates[first] - rates[second]) for first, second in pairs}

@@ -38,7 +38,7 @@ _TWO = digits(2)  # digits: another process shared the machine that took the tim
 class Estimate(NamedTuple):
     """A number with its 95 % interval.
 
-    Also how many questions it is of.
+    `questions` is the number of questions behind it.
     """
 
     value: float
@@ -61,7 +61,7 @@ class Estimate(NamedTuple):
     def percent_text(self) -> str:
         """A share in per cent and its interval.
 
-        For example `25.0 % (21.0 to 34.2)`.
+        An example is `25.0 % (21.0 to 34.2)`.
         """
         return self.text(share)
 
@@ -140,7 +140,7 @@ class Evidence:
     def claims(self) -> pd.DataFrame:
         """All claims of engines.
 
-        Also those at questions without a path.
+        Questions without a path count, too.
         """
         rows = claims(self.compared)
         return rows[rows["solver"] != EXACT]
@@ -149,7 +149,7 @@ class Evidence:
     def provers(self) -> list[str]:
         """Solvers that claim optimality or give a bound.
 
-        In the order of tables.
+        They are in the order of tables.
         """
         proof = self.claims["claim"].eq("optimal") | self.claims["lower_bound"].notna()
         proves = self.methods.index.isin(self.claims.loc[proof, "solver"])
@@ -162,7 +162,7 @@ class Evidence:
     def knows(self, solver: str) -> str:
         """The knowledge that a method is given.
 
-        In the words of the column `knows`.
+        The words are those of the column `knows`.
         """
         return str(self.methods["knows"].fillna("")[solver])
 
@@ -170,14 +170,14 @@ class Evidence:
     def usual(self) -> pd.DataFrame:
         """The methods that met nearly all questions.
 
-        The others would compare the questions.
+        Other methods would compare the questions.
         """
         return self.met_most(self.compared.answerable)
 
     def met_most(self, rows: pd.DataFrame) -> pd.DataFrame:
-        """The methods that met nearly all questions asked.
+        """The methods that met nearly all of these questions.
 
-        Of the questions of some attempts.
+        The questions are those of the rows.
         """
         questions_met = rows.groupby("solver", observed=True)["question"].nunique()
         share = questions_met.reindex(self.methods.index).fillna(0.0) / max(
@@ -244,7 +244,7 @@ class Evidence:
     def share_of(self, rates: pd.Series[float]) -> Estimate | None:
         """The mean of rates, with Wilson's interval.
 
-        As many trials as questions.
+        It has as many trials as there are questions.
         """
         known = rates.dropna()
         if len(known) < ENOUGH:

@@ -42,7 +42,7 @@ def routes_of(evidence: Evidence) -> pd.DataFrame:
 def _by_support(evidence: Evidence, rows: pd.DataFrame) -> pd.DataFrame:
     """Engines by support, the best supported first.
 
-    Of the engines that met nearly all questions: `scenario_shares`.
+    Only engines that met nearly all questions count: see `scenario_shares`.
     """
     engines = rows[rows["solver"].isin(evidence.met_most(rows).index)]
     return by_support(engines, ["solver"])
@@ -51,7 +51,7 @@ def _by_support(evidence: Evidence, rows: pd.DataFrame) -> pd.DataFrame:
 def _named(evidence: Evidence, *solvers: str) -> str:
     """The names of engines' methods.
 
-    Also whether the words are known to all of them.
+    The text says if the words are known to all of them.
     """
     words_given = all("words" in evidence.knows(solver).split() for solver in solvers)
     names = " and ".join(map(evidence.name, solvers))
@@ -68,10 +68,7 @@ def _search(evidence: Evidence) -> pd.DataFrame:
 
 
 def _of_several_legs(rows: pd.DataFrame) -> pd.DataFrame:
-    """The attempts at routes of at least two legs.
-
-    With a column legs.
-    """
+    """Attempts at routes of several legs, with their number."""
     legs = legs_of(rows)
     return rows.assign(legs=legs)[legs > 1]
 
@@ -84,8 +81,8 @@ def _closed(rows: pd.DataFrame) -> pd.Series[bool]:
 def proof_of_routes(evidence: Evidence) -> Finding | None:
     """How many routes the search proves.
 
-    Also its time beside the best-supported engine without proofs, for each spacing. If several
-    engines have equal support, the fastest counts.
+    The finding also compares its time with the best-supported engine without proofs, for each
+    spacing. If several engines have equal support, the fastest counts.
     """
     rows = routes_of(evidence)
     search = _search(evidence)
@@ -221,17 +218,14 @@ def growth(evidence: Evidence) -> Finding | None:
     def named(solver: str) -> str:
         """A solver's name with two median times.
 
-        At the least and at the largest size.
+        The times are at the least and at the largest size.
         """
         solver_rows = answered[solver].groupby("legs")["wall_s"].median()
         name = "the search with a proof" if solver == EXACT else evidence.name(solver)
         return f"{name} ({seconds(solver_rows.iloc[0])} to {seconds(solver_rows.iloc[-1])})"
 
     def doubled(solver: str) -> str:
-        """The factor for twice as many legs.
-
-        With its interval.
-        """
+        """The factor for twice as many legs, with interval."""
         slope = powers[solver]
         factor = slope._replace(value=2**slope.value, low=2**slope.low, high=2**slope.high)
         return factor.text()

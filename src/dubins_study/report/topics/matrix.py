@@ -1,6 +1,6 @@
 """The section on formulation by engine.
 
-Right answers of every pair, by stratum too.
+It has the right answers of every pair, by stratum too.
 """
 
 from __future__ import annotations
@@ -59,8 +59,8 @@ _NO_KIND = "other"
 def matrix(methods: pd.DataFrame, entries: Sequence[MatrixEntry]) -> pd.DataFrame:
     """Every formulation with every engine.
 
-    Without entries, only the pairs that have rows. A row per engine and formulation, in the order
-    of lines and columns: kind (of the engine), the columns of the pair's best method, filled
+    If there are no entries, only the pairs that have rows. A row per engine and formulation, in the
+    order of lines and columns: kind (of the engine), the columns of the pair's best method, filled
     (whether there is one), few (whether it was asked less than half as many questions as others),
     reason (empty if filled) and note (the reason's number from 1, 0 if filled).
     """
@@ -109,7 +109,7 @@ def _engines(entries: Sequence[MatrixEntry], best: pd.DataFrame) -> list[tuple[s
 def strata(rows: pd.DataFrame) -> pd.DataFrame:
     """Shares right by solver and stratum.
 
-    At questions that have a path.
+    The questions have a path.
     """
     answerable = rows[rows["answerable"]]
     answerable = answerable.assign(
@@ -157,8 +157,8 @@ _DARK = 0.5
 def plot_matrix(ax: Axes, cells: pd.DataFrame, size: float) -> None:
     """Draw shares right, engines by formulations.
 
-    In percent, in letters of a size (pt). A star follows the share of a method that was asked fewer
-    questions than others; a pair without rows has the number of its reason.
+    Shares are in percent, in letters of a size (pt). A star follows the share of a method that was
+    asked fewer questions than others; a pair without rows has the number of its reason.
     """
     engines = cells.drop_duplicates("engine")
     names = cells["formulation"].unique().tolist()

@@ -1,6 +1,6 @@
 """The paper's tables beside the exact numbers.
 
-Also the paths that solvers return for the paper's words.
+The module also finds the paths that solvers return for the paper's words.
 """
 
 from __future__ import annotations

@@ -39,7 +39,7 @@ ANSWERS = (
 
 
 def exact_answers(rows: pd.DataFrame) -> pd.DataFrame:
-    """Shortest words and lengths on a dense grid
+    """Shortest words and lengths on a dense grid.
 
     The grid covers the closed form's targets in the rows; empty if these are no grid. Columns: x
     and y (of the target), kind (the shortest word), length, inside (a turning circle).

@@ -1,6 +1,6 @@
 """The radius sweep: length and word against radius.
 
-Also the time that a warm start saves.
+The module also has the time that a warm start saves.
 """
 
 from __future__ import annotations
@@ -176,10 +176,7 @@ def _draw_shortest(ax: Axes, known: pd.DataFrame) -> None:
 
 
 def _draw_words(ax: Axes, place: dict[str, float], radii: pd.Series[float]) -> None:
-    """Draw the lengths of the paper's two words.
-
-    Where they exist.
-    """
+    """Draw lengths of the paper's words where they exist."""
     dense = np.geomspace(radii.min(), radii.max(), 300)
     for word, line in _WORD_LINE.items():
         paths = [shortest(scenario_of({**place, "radius": radius}), word) for radius in dense]

@@ -1,6 +1,6 @@
 """Routes: who finds the shortest as legs increase.
 
-Also the drawing of a route.
+The module also draws one route.
 """
 
 from __future__ import annotations
@@ -146,10 +146,7 @@ def data_profiles(rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
 
 
 def _profiles(rows: pd.DataFrame, results: Results, timed: set[str]) -> Picture:
-    """Data profiles of the timed methods.
-
-    Those that have a curve of times.
-    """
+    """Data profiles of the timed methods."""
     chosen = rows[rows["solver"].isin(timed)]
     panels = data_profiles(chosen)
     palette = palette_of(results, short_labels(methods_of(results.rows)))
@@ -224,7 +221,7 @@ def second_opinion(rows: pd.DataFrame) -> str:
 def _timed(engines: pd.DataFrame) -> set[str]:
     """The methods whose times are drawn.
 
-    Plug-ins', the search and the best of each formulation.
+    They are plug-ins', the search and the best of each formulation.
     """
     return {*own(engines["solver"]), EXACT, *best_methods(engines, ["formulation"])["solver"]}
 
@@ -273,7 +270,7 @@ def palette_of(results: Results, labels: Mapping[str, str]) -> Palette:
 def usual_limit(rows: pd.DataFrame) -> float:
     """The largest usual time limit (s).
 
-    Not only a sample's; NaN if none is stated.
+    A limit of a sample only is not usual; NaN if no limit is stated.
     """
     return float(rows["limit_s"].quantile(_ALL_BUT_SAMPLES, interpolation="lower"))
 
@@ -389,7 +386,7 @@ def plot_times(
 def size_axes(ax: Axes, sizes: pd.Series[int], times: pd.Series[float]) -> None:
     """Set logarithmic axes of times (s) over sizes.
 
-    Of sizes close together not each has its name.
+    If sizes are close together, only some have names.
     """
     ax.set_xscale("log")
     if (times > 0).any():
@@ -435,7 +432,7 @@ def _unit(step: FloatArray) -> FloatArray:
 def _points_per_unit(ax: Axes) -> float:
     """Size of a length unit on the paper (pt).
 
-    With equal scales and the margins of a route.
+    The scales are equal, and a route has its margins.
     """
     sizes = [np.ptp(box.get_points(), axis=0) for box in (ax.bbox, ax.dataLim)]
     unit = sizes[0] / np.maximum(sizes[1], 1e-300) / (1 + 2 * _MARGIN)
@@ -445,7 +442,7 @@ def _points_per_unit(ax: Axes) -> float:
 def _runs(points: FloatArray, inside: BoolArray) -> FloatArray:
     """Points of the parts that are inside.
 
-    Shape (m, 2), with a row of NaN between two runs of parts.
+    The shape is (m, 2), with a row of NaN between two runs of parts.
     """
     parts = np.flatnonzero(inside)
     ends = points[np.column_stack((parts, parts + 1)).ravel()]
@@ -460,8 +457,8 @@ def _label(name: str) -> str:
 def _texts(scenario: Scenario, order: Sequence[int], names: Sequence[str]) -> list[str]:
     """Texts beside the start and the stops.
 
-    In the order of visits. Via points have numbers, of many every tenth; the target has none. Of
-    few points names follow.
+    They are in the order of visits. Via points have numbers, if there are many every tenth; the
+    target has none. If points are few, names follow.
     """
     last = len(order)
     step = 10 ** max(math.ceil(math.log10(last / _MOST_NUMBERS)), 0)
@@ -523,7 +520,7 @@ def _write(
 def _legend_of_names(order: Sequence[int], names: Sequence[str]) -> str:
     """The numbers of visits with their names.
 
-    In lines below the plot, where names beside points would overlap.
+    They stand in lines below the plot, where names beside points would overlap.
     """
     named = [
         f"{number} {_label(names[stop])}"
@@ -539,7 +536,7 @@ def _legend_of_names(order: Sequence[int], names: Sequence[str]) -> str:
 def _as_passed(path: Path, scenario: Scenario) -> list[int]:
     """The stops in the order of the path.
 
-    Places of the stops of the scenario.
+    The numbers are their places in the scenario.
     """
     via: Sequence[int] = range(len(scenario.via))
     if scenario.order is Order.FREE:
@@ -557,8 +554,8 @@ def plot_route(
 ) -> None:
     """Draw a path by its turns.
 
-    With the via points and both poses of a scenario. `names` are those of the stops, in the order
-    of the scenario; `known` ends the title.
+    The via points and both poses of the scenario are drawn, too. `names` are those of the stops, in
+    the order of the scenario; `known` ends the title.
 
     Lines and points are thinner where points lie close, and of many points some have numbers.
     Faint circles are those that the path drives on, for few points; arrows are headings, that at

@@ -60,7 +60,7 @@ _PROBLEM = '<p class="bad" id="attempt-problem" role="status"></p>'
 def attempts_section(results: Results) -> Section | None:
     """Single attempts, each embedded one as a point.
 
-    With its path and the command for it.
+    A point leads to its path and to the command for it.
     """
     rows, content = _fitting(results)
     libraries = {name: _library(name) for name in ("bokeh", "bokeh-api")}
@@ -100,7 +100,7 @@ def _text(rows: pd.DataFrame, results: Results) -> str:
 def _fitting(results: Results) -> tuple[pd.DataFrame, bytes]:
     """The largest sample that fits in `_MOST_BYTES`.
 
-    If none fits, the smallest.
+    If none fits, it is the smallest.
     """
     for most in _SIZES:
         rows = sample(results, most)
@@ -281,7 +281,7 @@ def arcs_of(
 ) -> list[list[Any]] | None:
     """Curvature and length of each arc.
 
-    In units of the turning radius; None without a path.
+    The unit is the turning radius; None without a path.
     """
     if curvatures is None or not len(curvatures):
         return None

@@ -34,7 +34,7 @@ _GAPS = np.geomspace(1e-16, 10.0, 171)  # points of a curve, ten to a decade
 def gap_shares(attempts: pd.DataFrame) -> pd.DataFrame:
     """Shares of attempts within each gap.
 
-    Of attempts at questions with an answer, indexed by gap; a column per solver.
+    The questions have an answer. Rows are gaps, columns are solvers.
     """
     ends = _GAPS * (1 + 1e-12)  # but for the rounding of the gaps
     groups = gaps(attempts).groupby(attempts["solver"])

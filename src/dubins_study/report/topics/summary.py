@@ -84,7 +84,7 @@ _NUMBERS = ("attempts", "questions", "optimal", *share_keys("right"))
 def summary_section(results: Results) -> Section | None:
     """Verdicts and times, solver by solver.
 
-    At questions that have a path.
+    The questions have a path.
     """
     attempts = results.attempts
     frame = solver_summary(attempts)

@@ -99,9 +99,9 @@ def provers(rows: pd.DataFrame) -> set[str]:
 
 
 def asked_of_most(rows: pd.DataFrame) -> pd.DataFrame:
-    """The attempts at the questions asked of most.
+    """The attempts at the questions asked of most solvers.
 
-    That is of most solvers: all attempts, if all solvers met the same.
+    These are all attempts, if all solvers met the same questions.
     """
     solvers = rows.groupby("scenario_id")["solver"].transform("nunique")
     asked: pd.DataFrame = rows[solvers == solvers.max()]
@@ -111,8 +111,8 @@ def asked_of_most(rows: pd.DataFrame) -> pd.DataFrame:
 def closed_within(rows: pd.DataFrame) -> pd.DataFrame:
     """Questions that each solver closes in time.
 
-    In 1, 10 and 100 s, of those with as long a limit. Indexed by solver; columns `in_1_s`, ...,
-    texts such as `5/6`, missing of no questions.
+    The times are 1, 10 and 100 s, and the limit is as long. Indexed by solver; columns `in_1_s`,
+    ..., texts such as `5/6`, missing of no questions.
     """
     columns = {}
     for limit in _WITHIN_S:
@@ -147,7 +147,7 @@ def by_engine(rows: pd.DataFrame) -> pd.DataFrame:
 def against_proof(rows: pd.DataFrame, settings: dict[str, dict[str, Any]]) -> pd.DataFrame:
     """Answers compared with proved tours.
 
-    To questions whose shortest tour is proved, one of each kind. The kinds are the best tour of a
+    Each question with a proved tour has one answer of each kind. The kinds are the best tour of a
     grid, by any engine that has proved it, and both orders by straight lines. Columns: those of the
     rows; kind; other_order, whether it passes the points in another order than the proved tour. A
     closed tour may be driven either way.
@@ -225,10 +225,7 @@ def tours_section(results: Results) -> Section | None:
 
 
 def _text(rows: pd.DataFrame, compared: pd.DataFrame) -> str:
-    """What the search proves of tours.
-
-    Also how other methods' answers compare with proved tours.
-    """
+    """Numbers of proved tours and of refuted optima."""
     search = rows[rows["solver"] == EXACT]
     proved = ""
     if len(search):

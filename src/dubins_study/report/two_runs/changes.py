@@ -153,7 +153,7 @@ def solver_changes(base: Results, new: Results, pairs: pd.DataFrame) -> pd.DataF
 def lost(pairs: pd.DataFrame) -> pd.Series[bool]:
     """Whether each question was lost.
 
-    Right in every repeat of the base and in none of the new run.
+    It was right in every repeat of the base and in none of the new run.
     """
     return pairs["right_base"].eq(1) & pairs["right_new"].eq(0)
 
@@ -182,7 +182,7 @@ def _right_in_both(pairs: pd.DataFrame) -> pd.Series[bool]:
 def _times(pairs: pd.DataFrame) -> dict[str, object]:
     """Mean times of both runs, and their ratio.
 
-    Over the questions that are right in both.
+    The questions are right in both runs.
     """
     both = pairs[_right_in_both(pairs) & pairs["time_base"].gt(0) & pairs["time_new"].gt(0)]
     times = both.set_index("scenario_id")[["time_base", "time_new"]]

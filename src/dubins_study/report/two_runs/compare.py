@@ -194,7 +194,7 @@ def unpaired_text(comparison: Comparison) -> str:
 def speed_text(speed: MachineSpeed | None) -> str:
     """The machine's speed as a sentence.
 
-    Also its effect on the ratios of times.
+    The sentence also states its effect on the ratios of times.
     """
     if speed is None:
         return (

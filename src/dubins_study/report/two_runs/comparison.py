@@ -77,8 +77,8 @@ def regressions(
 ) -> pd.DataFrame:
     """The regressions, in the order of the kinds.
 
-    Also the cells of the new run without an answer. `slower` is infinite where the machine's speed
-    is not known: then no solver is called slower.
+    They include the cells of the new run without an answer. `slower` is infinite where the
+    machine's speed is not known: then no solver is called slower.
     """
     was_lost = lost(pairs)
     # Seen in repeats too: a question that is right in one of three was right in all.
@@ -100,7 +100,7 @@ def regressions(
 def _share_changed(changes: pd.DataFrame) -> pd.Series[bool]:
     """Whether each solver's share right changed.
 
-    By the test, at the level `ALPHA`.
+    The test has the level `ALPHA`.
     """
     return changes["right_p"].lt(ALPHA)
 
@@ -116,7 +116,7 @@ def _timed(changes: pd.DataFrame) -> pd.Series[bool]:
 def verdicts(changes: pd.DataFrame, regressions: pd.DataFrame, slower: float) -> list[str]:
     """Verdicts on solvers: what is worse, else better.
 
-    By the mirror images of the tests.
+    Better is decided by the mirror images of the tests.
     """
     more_often = _share_changed(changes) & (changes["right_new"] > changes["right_base"])
     faster = _timed(changes) & changes["time_ratio_high"].lt(1 / slower)
@@ -158,7 +158,7 @@ def _questions(
 ) -> Iterator[_Record]:
     """A line for each question.
 
-    With the values of both runs in a column.
+    It has the values of both runs in a column.
     """
     for row in rows.to_dict("records"):
         place = f"target {row['target_x']:.6g}, {row['target_y']:.6g}"
