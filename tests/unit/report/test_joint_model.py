@@ -192,4 +192,4 @@ def test_the_section_says_what_the_rows_say(load_rows):
     assert "though the solver calls 1 of them failures" in good
     assert "z₂ does not follow this everywhere: it is up to a relative 1.0 away" in bad
     assert "Over 3 attempts" in part
-    assert "of 2 methods without a barrier 1 leave none, and slsqp" in good
+    assert "Of 2 methods without a barrier 1 leave no turn; slsqp" in good
