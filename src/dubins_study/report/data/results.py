@@ -121,9 +121,9 @@ class Results:
 
 
 def load_results(folders: str | FilePath | Iterable[str | FilePath]) -> pd.DataFrame:
-    """The judged rows of one or more folders.
+    """The judged rows of one or more results folders.
 
-    Results folders, read as the report reads them.
+    They are read as the report reads them.
 
     Args:
         folders: one or more results folders, or folders of results folders. If two hold the same

@@ -79,9 +79,9 @@ def render(
     out: str | FilePath | None = None,
     progress: Progress | None = None,
 ) -> FilePath:
-    """Write the report of one or more folders.
+    """Write the report of one or more results folders.
 
-    They are results folders. Returns the path of `index.html`.
+    Returns the path of `index.html`.
 
     Args:
         folders: one or more results folders, or folders of results folders.
