@@ -92,7 +92,7 @@ def _share_table(methods: pd.DataFrame) -> str:
 
 
 def formulations() -> str:
-    """Of each formulation the method that is most surely right, and the spread of its engines."""
+    """The best-supported method of each formulation, and the spread of its engines."""
     rows, measured = [], set(_methods()["formulation"])
     for name in filter(measured.__contains__, FORMULATIONS):
         engines = best_methods(_of("formulation", name), ["engine"])
@@ -111,7 +111,7 @@ def formulations() -> str:
         )
     head = (
         "formulation",
-        "most surely right",
+        "best supported",
         "right",
         "95 %",
         "median ms",

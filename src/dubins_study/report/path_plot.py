@@ -35,14 +35,15 @@ _FORMATS = (".svg", ".pdf", ".png")
 
 
 class PlotError(DubinsStudyError, ValueError):
-    """The path cannot be drawn, or the file cannot be written."""
+    """The path cannot be drawn, or not saved."""
 
 
 @runtime_checkable
 class Answered(Protocol):
-    """The fields that are drawn; an answer of `dubins_study.solve` has them.
+    """An answer that can be drawn.
 
-    One that also has a branch and a verdict `longer` or `misses` is drawn beside the shortest path.
+    `dubins_study.solve` returns one. One that also has a branch and a verdict `longer` or `misses`
+    is drawn beside the shortest path.
     """
 
     @property
@@ -114,7 +115,10 @@ def plot_path(
 
 @contextmanager
 def _one_warning_of_letters() -> Iterator[None]:
-    """Say once that the font lacks letters of a name, where matplotlib says it of each of them."""
+    """Warn once that the font lacks letters.
+
+    Matplotlib warns of each letter of a name.
+    """
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         yield
@@ -126,11 +130,14 @@ def _one_warning_of_letters() -> Iterator[None]:
 
 
 def _known(drawn: object, geographic: bool) -> str:
-    """What the title says behind the length: proof or verdict, and the time at a given speed."""
+    """The title's text behind the length.
+
+    Proof or verdict, and the time at a given speed.
+    """
     metre, second = (" m", " s") if geographic else ("", "")
     proof, verdict = getattr(drawn, "proof", None), getattr(drawn, "verdict", None)
-    said = "proved" if proof == "proved" else verdict
-    text = f"{metre}, {said}" if said else metre
+    status = "proved" if proof == "proved" else verdict
+    text = f"{metre}, {status}" if status else metre
     time, scenario = getattr(drawn, "travel_time", None), getattr(drawn, "scenario", None)
     if time is not None and isinstance(scenario, Scenario) and scenario.speed != 1:
         text += f", time {time:.4g}{second}"
@@ -138,7 +145,10 @@ def _known(drawn: object, geographic: bool) -> str:
 
 
 def _mark_earth(ax: Axes) -> None:
-    """Metres at the axes; above the panel a scale bar and an arrow to the north."""
+    """Label the axes in metres.
+
+    Above the panel are a scale bar and an arrow to the north.
+    """
     from mpl_toolkits.axes_grid1.anchored_artists import AnchoredSizeBar
 
     ax.set_xlabel(ax.get_xlabel().replace("x", "east (m)", 1))
@@ -162,7 +172,10 @@ def _plot(
     known: str,
     geographic: bool,
 ) -> None:
-    """Draw the paths of a scenario: of one leg with a free final heading two, else one."""
+    """Draw the paths of a scenario.
+
+    A leg with a free final heading has two paths, other scenarios have one.
+    """
     if kind_of(scenario).drawing == "route":
         [(name, path)] = named_paths.items()
         plot_route(ax, path, scenario, name, names, known)
@@ -173,13 +186,16 @@ def _plot(
 
 
 def _plot_leg(ax: Axes, named_paths: Mapping[str, Path], scenario: Scenario, known: str) -> None:
-    """Draw one or two paths of one leg; what is known of the last one is said of it."""
+    """Draw one or two paths of one leg.
+
+    The known facts stand with the name of the last one.
+    """
     texts = {
         labelled(name, short_word(path.word(1e-2), 24) or "–", path): path
         for name, path in named_paths.items()
     }
-    own, path = texts.popitem()
-    texts[f"{own}{known}"] = path
+    last_name, path = texts.popitem()
+    texts[f"{last_name}{known}"] = path
     plot_paths(ax, texts, scenario)
 
 
@@ -198,7 +214,10 @@ def check_format(file: str | FilePath) -> FilePath:
 
 
 def _reference(drawn: object) -> Path | None:
-    """The shortest path of the branch of an answer that is longer or misses the target."""
+    """The shortest path beside a worse answer.
+
+    It is the path of the answer's branch; None unless the answer is longer or misses the target.
+    """
     branch, scenario = getattr(drawn, "branch", None), getattr(drawn, "scenario", None)
     judged_badly = getattr(drawn, "verdict", None) in (Verdict.LONGER, Verdict.MISSES)
     if not (judged_badly and isinstance(branch, str) and isinstance(scenario, Scenario)):
@@ -209,7 +228,10 @@ def _reference(drawn: object) -> Path | None:
 
 
 def _subject(drawn: Answered | Path) -> tuple[str, Path, Scenario]:
-    """The name in the legend, the path, and the scenario of the path."""
+    """The name, the path, and the path's scenario.
+
+    The name is for the legend.
+    """
     path = drawn if isinstance(drawn, Path) else getattr(drawn, "path", None)
     with np.errstate(all="ignore"):
         if isinstance(path, Path) and not np.isfinite(path.poses).all():

@@ -14,7 +14,7 @@ from dubins_study.report.page.environment import linked
 from dubins_study.report.page.sections import TOPICS, sections_of
 from dubins_study.report.statistics.metrics import solver_order
 from dubins_study.report.topics.belief import belief_section
-from dubins_study.report.topics.decision import decision_section, ends, stops, surest
+from dubins_study.report.topics.decision import best_supported, decision_section, ends, stops
 from dubins_study.report.topics.summary import solver_summary
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.words import Claim
@@ -35,7 +35,7 @@ def test_the_surest_is_the_one_with_the_highest_lower_end():
     rows += [row(q, "slow", right=q > 0, wall_s=9.0) for q in range(40)]
     rows += [row(q, "sample", experiment="pose") for q in range(19)]
     rows += [row(q, "whole", experiment="pose", right=q > 9) for q in range(40)]
-    found = surest(pd.DataFrame(rows))
+    found = best_supported(pd.DataFrame(rows))
 
     assert found.loc[("leg", *WORDS), "solver"] == "many"
     assert found.loc[("pose", *WORDS), "solver"] == "whole"
@@ -198,7 +198,7 @@ def test_it_takes_no_place_of_others_claims(load_rows, monkeypatch):
 
 
 def test_few_questions_choose_no_winner(load_rows, monkeypatch):
-    """Then every method has a line; of enough questions the surest engine has that of its kind.
+    """Then every method has a line; with enough questions the best-supported engine of its kind.
 
     Unless a reader's own solver is there, and few others: they are what it was put beside.
     """
@@ -212,7 +212,7 @@ def test_few_questions_choose_no_winner(load_rows, monkeypatch):
     lines = ["MySolver", "closed form", "Ipopt, word NLPs", "SLSQP, word NLPs"]
 
     assert sorted(every.frame["method"]) == sorted(lines)
-    assert "choose no engine" in every.caption
+    assert "every method has a line" in every.caption
     assert not every.frame["suite_0"].str.contains("\n").iloc[0]
     assert sorted(beside.frame["method"]) == sorted(lines)
     assert beside.marks == {(0, "false"): "bad"}

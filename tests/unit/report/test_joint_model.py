@@ -17,7 +17,7 @@ from dubins_study.report.topics.basins import (
     basins_section,
     ends,
     minimum,
-    told,
+    outcomes_of,
 )
 from dubins_study.report.topics.bias import barrier, bias_section, last_barrier
 from dubins_study.study.closed_form.shortest import shortest, shortest_path
@@ -104,7 +104,7 @@ def test_every_end_is_told_apart(load_rows):
     ]
     np.testing.assert_array_equal(table["turns"], [0, 2, 1, *[math.nan] * 6])
     assert table[["z1", "z2", "z3"]].iloc[5].tolist() == [1.0, 2.0, 5.0]
-    assert told(table) == {"optimal": 1 / 9, "turned": 2 / 9, "refuted": 3}
+    assert outcomes_of(table) == {"optimal": 1 / 9, "turned": 2 / 9, "refuted": 3}
 
 
 def test_the_section_tells_what_the_rows_hold(load_rows):
@@ -114,7 +114,7 @@ def test_the_section_tells_what_the_rows_hold(load_rows):
     plain = basins_section(load_rows("honest", honest)).text
 
     assert "3 statements are refuted" in text
-    assert "22.2 % of all attempts end in a minimum with full turns in it, with up to 2" in text
+    assert "22.2 % of all attempts end in a minimum with needless full turns, up to 2" in text
     assert "refuted:" not in plain
     assert "is found from 100 % of the initial guesses" in plain
 
@@ -192,4 +192,4 @@ def test_the_section_says_what_the_rows_say(load_rows):
     assert "though the solver calls 1 of them failures" in good
     assert "z₂ does not follow this everywhere: it is up to a relative 1.0 away" in bad
     assert "Over 3 attempts" in part
-    assert "of 2 methods without a barrier 1 leave none, and slsqp" in good
+    assert "Of 2 methods without a barrier 1 leave no turn; slsqp" in good

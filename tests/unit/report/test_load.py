@@ -159,8 +159,8 @@ def test_the_page_says_which_rows_are_left_out(tmp_path):
     assert [each.replaced for each in counts] == [0, 2, 0, 0]
     assert [each.contradicting for each in counts] == [0, 0, 1, 1]
     text = (tmp_path / "page" / "index.html").read_text(encoding="utf-8")
-    assert "2 rows of cells that a folder before this one holds, made by other code" in text
-    assert text.count("It contradicts a folder before it in 1 cell, by the same code") == 2
+    assert "2 rows of cells that an earlier folder has, made by other code" in text
+    assert text.count("It contradicts an earlier folder in 1 cell, with the same code") == 2
 
 
 def test_a_gap_that_differs_contradicts(tmp_path):

@@ -9,7 +9,7 @@ from dubins_study.report.data.results import load
 from dubins_study.report.page.render import render
 from dubins_study.report.statistics.methods import best_methods, compared
 from dubins_study.report.topics.comparison import evaluations, times
-from dubins_study.report.topics.decision import surest
+from dubins_study.report.topics.decision import best_supported
 from dubins_study.report.topics.failures import failures_section
 from dubins_study.report.topics.findings_evidence import Evidence
 from dubins_study.report.topics.single_attempts import sample
@@ -50,7 +50,7 @@ def test_times_of_another_machine_rank_nothing(folders):
 
     assert medians[["slsqp", "ipopt"]].tolist() == [SLOW_S, RIVAL_S]
     assert pd.isna(medians["shooting"])
-    assert surest(attempts.rows)["solver"].tolist() == ["slsqp"]
+    assert best_supported(attempts.rows)["solver"].tolist() == ["slsqp"]
     assert best_methods(summary, ["formulation"])["solver"].tolist() == ["slsqp"]
     assert set(times(attempts).columns) == {"slsqp", "ipopt"}
     assert set(evaluations(attempts).columns) == {"slsqp", "ipopt", "shooting"}

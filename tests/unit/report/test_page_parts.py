@@ -153,7 +153,7 @@ def test_every_packaged_key_has_a_section_and_every_section_an_experiment():
 def test_an_unknown_section_is_a_line_on_the_page(results, tmp_path):
     """The set of sections is the report's: a plug-in's experiment is reported without one."""
     page = topic_page(folder(results, "mine", "guesses"), tmp_path / "out", *SECTIONS)
-    line = "No section of the report is called"
+    line = "which the report does not have"
 
     assert line in page.read_text(encoding="utf-8")
     assert "summary" in section_ids(page)

@@ -93,7 +93,7 @@ def test_another_program_is_asked_too():
     frame = pd.DataFrame({"scenario_id": [*low.index], "reference_high": high, "radius": 2.0})
     text = second_opinion(pd.concat([frame, frame]))
 
-    assert "bounds 2 of these routes from below: 1 of its bounds contradict the check" in text
+    assert "gives lower bounds of 2 of these routes; 1 of them contradict the check" in text
     assert second_opinion(frame.assign(scenario_id="none")) == ""
 
 

@@ -1,4 +1,7 @@
-"""Attempts as they are counted: the verdict that counts, and how much of a trial each one is."""
+"""Attempts as they are counted.
+
+The verdict that counts, and each attempt's weight in a trial.
+"""
 
 from __future__ import annotations
 
@@ -15,11 +18,11 @@ from dubins_study.study.specs import name_of, plugin_file
 EXACT = "analytic"
 # The verdict on an answer of the presolve counts as a verdict of its own: no engine was asked.
 PRESOLVED = "by presolve"
-# So does that on a right answer that came after the limit, which is a failure.
+# The same holds for a right answer after the limit, which is a failure.
 LATE = "late"
 VERDICTS = ("optimal", "none exists", PRESOLVED, "longer", "misses", "none", LATE)
 # Neither right nor wrong: the proven interval around the shortest length is too wide to tell. Such
-# an attempt is counted by itself and enters no share.
+# an attempt is counted apart, and no share counts it.
 UNDECIDED = "undecided"
 # The outcome of a question that a solver does not take. It was not called, and no share counts it.
 UNTAKEN = "unsupported"
@@ -29,15 +32,15 @@ TRIAL = ("scenario_id", "branch")
 SUCCESSES = ("optimal", "none exists")
 PROOFS = ("proved", "bounded", "extremal", "none")
 _METHOD = ["formulation", "engine", "guess"]
-# Fewer questions choose no winner: none is named.
+# With fewer questions no best method is named.
 ENOUGH_TO_CHOOSE = 30
 
 
 def own_name(spec: str) -> str:
-    """The name of a plug-in's solver, without settings; empty for a solver of this package.
+    """The name of a plug-in's solver, without settings.
 
-    >>> own_name("a/my_solver.py:MySolver[guesses=8]"), own_name("ipopt[presolve=True]")
-    ('MySolver', '')
+    Empty for a solver of this package. >>> own_name("a/my_solver.py:MySolver[guesses=8]"),
+    own_name("ipopt[presolve=True]") ('MySolver', '')
     """
     name = name_of(spec)
     if plugin := plugin_file(name):
@@ -53,14 +56,18 @@ def _installed() -> frozenset[str]:
 
 
 def own(specs: Iterable[str]) -> list[str]:
-    """Those of the specs that are plug-ins' solvers, which stand before all others."""
+    """The specs of plug-ins' solvers.
+
+    Tables list these before all others.
+    """
     return [spec for spec in specs if own_name(spec)]
 
 
 def legs_of(rows: pd.DataFrame) -> pd.Series[int]:
-    """How many legs the scenario of each row has: one to each via point and one to its end.
+    """The number of legs of each row's scenario.
 
-    A tour that may end at any of its points has no more than they are.
+    Each via point has one leg that ends there, and so has the target. A tour that may end at any of
+    its points has as many legs as points.
     """
     via = rows["via_x"].map(lambda via: len(numbers_of("via_x", via) or ()))
     ends = rows["target_x"].notna() | is_true(rows["closed"])
@@ -68,23 +75,27 @@ def legs_of(rows: pd.DataFrame) -> pd.Series[int]:
 
 
 def is_true(values: pd.Series) -> pd.Series[bool]:
-    """Whether each value is true; a missing one is not."""
+    """Whether each value is true.
+
+    A missing one is not.
+    """
     return values.eq(True).fillna(False).astype(bool)
 
 
 def presolved(rows: pd.DataFrame) -> pd.Series[bool]:
-    """Whether the presolve alone answered each attempt, rightly: no path exists.
+    """Whether the presolve answered each attempt correctly.
 
-    A row may say so of any answer. Of another one it is not believed: what a solver has wrong
-    counts, whichever part of it was wrong.
+    It was right that no path exists, and no engine was asked. A row may say so of any answer. A
+    wrong answer counts as the solver's, whichever part of it was wrong.
     """
     return is_true(rows["presolved"]) & is_true(rows["verdict"].eq("none exists"))
 
 
 def counted(rows: pd.DataFrame) -> pd.DataFrame:
-    """The rows with the verdict by which they count, and their `weight` in a number of questions.
+    """The rows with counted verdicts and weights.
 
-    What the presolve answered correctly is no success of an engine, and neither is a late answer.
+    `weight` is a part of a question. What the presolve answered correctly is no success of an
+    engine, and neither is a late answer.
     """
     late = is_true(rows["late"]) & rows["verdict"].isin(SUCCESSES)
     verdict = rows["verdict"].mask(presolved(rows), PRESOLVED).mask(late, LATE)
@@ -92,25 +103,29 @@ def counted(rows: pd.DataFrame) -> pd.DataFrame:
 
 
 def weights(rows: pd.DataFrame) -> pd.Series[float]:
-    """1 over the number of the solver's attempts at the same trial.
+    """Weights of attempts: 1 over attempts per trial.
 
-    Of two right attempts in three a solver has 2/3 of a question right, whether the three are
-    repeats, or a cold and two warm starts.
+    The solver's own attempts at the same trial. Of two right attempts in three a solver has 2/3 of
+    a question right, whether the three are repeats, or a cold and two warm starts.
     """
     trials = rows.groupby(["solver", *TRIAL], observed=True, dropna=False)
     return 1.0 / trials["solver"].transform("size")
 
 
 def questions(attempts: pd.DataFrame, which: pd.Series[bool]) -> pd.Series[float]:
-    """By solver, the number of questions of some attempts.
+    """Numbers of questions by solver.
 
-    It is rounded, since the last digits of a sum depend on its order.
+    The weights of the chosen attempts are added. The sum is rounded, since its last digits depend
+    on the order.
     """
     return attempts["weight"].where(which, 0.0).groupby(attempts["solver"]).sum().round(6)
 
 
 def methods(rows: pd.DataFrame) -> pd.DataFrame:
-    """One row per solver: solver, formulation, engine, guess; several guesses are joined by or."""
+    """One row per solver with its method.
+
+    Columns solver, formulation, engine, guess; several guesses are joined by or.
+    """
     stated = rows[["solver", *_METHOD]].drop_duplicates()
     return stated.groupby("solver").agg(_joined).reset_index()
 

@@ -1,4 +1,7 @@
-"""Rows of another set-up, judged anew from their controls when they are read."""
+"""Judge rows of another set-up anew.
+
+The check reads their controls when the rows are read.
+"""
 
 from __future__ import annotations
 
@@ -21,17 +24,21 @@ from dubins_study.study.scenario_frame import is_missing, scenario_of
 from dubins_study.study.tolerances import PROFILES
 from dubins_study.study.words import Claim, Proof
 
-# What the check finds and other libraries' sines may change; smaller differences are rounding.
-_RELATIVE, _ABSOLUTE = 1e-6, 1e-9
-# What is compared; the other columns follow from them.
+# Smaller differences are rounding: sines of other libraries may change the last digits.
+_RELATIVE = 1e-6
+_ABSOLUTE = 1e-9
+# The compared columns; the others follow from them.
 _NAMED = ("verdict", "false_claim", "wrong_basin", "proof", "false_bound", "length", "gap", "miss")
-# Of a convex problem alone, whose answers are not in the rows.
+# Columns of convex problems only, whose answers are not in the rows.
 _CONVEX = ("dual_residual", "duality_gap", "certified_gap")
-_FOUND = [f.name for f in (*fields(Judgement), *fields(Certificate)) if f.name not in _CONVEX]
+_CHECKED = [f.name for f in (*fields(Judgement), *fields(Certificate)) if f.name not in _CONVEX]
 
 
 class Recheck(NamedTuple):
-    """How many rows of a folder were judged anew, how many were not, and what differed."""
+    """Numbers of rows that were judged anew.
+
+    It also counts the rows that were not, and the differences.
+    """
 
     judged: int
     left: int  # answers to convex problems, which rows do not hold
@@ -40,17 +47,20 @@ class Recheck(NamedTuple):
 
 
 def same_set_up(one: Manifest, other: Manifest) -> bool:
-    """Whether two folders' runs had one machine, and one version of each package of both."""
+    """Whether two folders' runs had one set-up.
+
+    One machine, and one version of each package of both.
+    """
     both = one.versions.keys() & other.versions.keys()
     alike = all(one.versions[name] == other.versions[name] for name in both)
     return one.machine == other.machine and alike
 
 
 def judged_anew(rows: pa.Table, manifest: Manifest) -> tuple[pa.Table, Recheck]:
-    """The rows with what the check finds here, and how that differs from what the folder says.
+    """The rows judged anew, and the differences.
 
-    An attempt that did not return has the verdict `none`. Questions that a solver does not take,
-    and convex problems, stay as they are.
+    The differences are those from the folder's verdicts. An attempt that did not return has the
+    verdict `none`. Questions that a solver does not take, and convex problems, stay as they are.
     """
     records = rows.to_pylist()
     left = sum(row["branch"] in BRANCHES_WITHOUT_PATH for row in records)
@@ -59,17 +69,17 @@ def judged_anew(rows: pa.Table, manifest: Manifest) -> tuple[pa.Table, Recheck]:
         for place, row in enumerate(records)
         if row["branch"] not in BRANCHES_WITHOUT_PATH and row["outcome"] != UNTAKEN
     ]
-    found = {place: _found(records[place], manifest) for place in asked}
+    new_values = {place: _checked(records[place], manifest) for place in asked}
     differs = pd.DataFrame(
         [
             {name: not _agree(records[place][name], new[name]) for name in _NAMED}
-            for place, new in found.items()
+            for place, new in new_values.items()
         ],
         columns=list(_NAMED),
         dtype=bool,
     )
-    for name in _FOUND:
-        values = [found.get(place, row)[name] for place, row in enumerate(records)]
+    for name in _CHECKED:
+        values = [new_values.get(place, row)[name] for place, row in enumerate(records)]
         field = rows.schema.field(name)
         rows = rows.set_column(
             rows.schema.get_field_index(name), field, pa.array(values, field.type)
@@ -79,9 +89,13 @@ def judged_anew(rows: pa.Table, manifest: Manifest) -> tuple[pa.Table, Recheck]:
     return rows, Recheck(len(asked), left, changed, counts)
 
 
-def _found(row: Mapping[str, Any], manifest: Manifest) -> dict[str, Any]:
-    """The columns that the check fills, from a row's controls and claim."""
-    scenario, branch = scenario_of(row), row["branch"]
+def _checked(row: Mapping[str, Any], manifest: Manifest) -> dict[str, Any]:
+    """The columns that the check fills.
+
+    It judges a row's controls and claim.
+    """
+    scenario = scenario_of(row)
+    branch = row["branch"]
     usual = PROFILES.get(row["profile"], PROFILES["default"])
     limit = usual.search_s if is_missing(row["limit_s"]) else min(row["limit_s"], usual.search_s)
     allowed = replace(usual, gap=manifest.gap_tolerance, search_s=limit)
@@ -97,13 +111,13 @@ def _found(row: Mapping[str, Any], manifest: Manifest) -> dict[str, Any]:
         multipliers=None if any(map(is_missing, both)) else both,
         tolerances=allowed,
     )
-    found = vars(judgement) | vars(certificate)
+    values = vars(judgement) | vars(certificate)
     if row["presolved"]:
-        found["proof"] = Proof.NONE
-    return {name: None if is_missing(found[name]) else found[name] for name in _FOUND}
+        values["proof"] = Proof.NONE
+    return {name: None if is_missing(values[name]) else values[name] for name in _CHECKED}
 
 
-def _agree(said: Any, found: Any) -> bool:
-    if said is None or found is None or isinstance(found, str | bool):
-        return bool(said == found)
-    return bool(abs(said - found) <= _ABSOLUTE + _RELATIVE * abs(found))
+def _agree(stored: Any, new: Any) -> bool:
+    if stored is None or new is None or isinstance(new, str | bool):
+        return bool(stored == new)
+    return bool(abs(stored - new) <= _ABSOLUTE + _RELATIVE * abs(new))

@@ -51,7 +51,10 @@ class Folder:
 
     @property
     def section(self) -> str | None:
-        """The key of the report's section that the experiment names; None if it names none."""
+        """The key of the experiment's section.
+
+        The section is one of the report; None if the experiment names none.
+        """
         return self.manifest.experiment.section
 
     @property
@@ -88,7 +91,7 @@ class Results:
 
     @property
     def settings(self) -> dict[str, dict[str, Any]]:
-        """Every spec's settings, as the manifests hold them."""
+        """Every spec's settings, from the manifests."""
         entries = (folder.manifest.solvers for folder in self.folders)
         return {spec: entry.settings for solvers in entries for spec, entry in solvers.items()}
 
@@ -107,7 +110,10 @@ class Results:
         return self.selections[names]
 
     def path(self, index: int) -> Path | None:
-        """The path of the row with this index, or None if no path came back."""
+        """The path of a row, or None without one.
+
+        The row is given by its index.
+        """
         [row] = self.controls.slice(index, 1).to_pylist()
         if row["curvatures"] is None or row["lengths"] is None:
             return None
@@ -115,7 +121,9 @@ class Results:
 
 
 def load_results(folders: str | FilePath | Iterable[str | FilePath]) -> pd.DataFrame:
-    """The judged rows of one or more results folders, read as the report reads them.
+    """The judged rows of one or more results folders.
+
+    They are read as the report reads them.
 
     Args:
         folders: one or more results folders, or folders of results folders. If two hold the same
@@ -135,10 +143,11 @@ def load_results(folders: str | FilePath | Iterable[str | FilePath]) -> pd.DataF
 
 
 def load(folders: str | FilePath | Iterable[str | FilePath]) -> Results:
-    """Read and join results folders; if two hold the same cell, the first folder's row is kept.
+    """Read and join results folders.
 
-    Folders after the first that were made elsewhere are judged anew (`report.data.rejudged`). A
-    `ResultsError` names the folder that cannot be read, or has no rows.
+    If two have the same cell, the first folder's row is kept. Folders after the first that were
+    made elsewhere are judged anew (`report.data.rejudged`). A `ResultsError` names the folder that
+    cannot be read, or has no rows.
     """
     return _joined(_read_full(folders))
 
@@ -146,7 +155,10 @@ def load(folders: str | FilePath | Iterable[str | FilePath]) -> Results:
 def load_with_rows(
     folders: str | FilePath | Iterable[str | FilePath],
 ) -> tuple[Results | None, tuple[Folder, ...]]:
-    """As `load`, with the folders that hold no rows set apart; no results if none has rows."""
+    """Read folders, with empty folders apart.
+
+    Like `load`; an empty folder has no rows. The results are None if none has rows.
+    """
     stored = _read(folders)
     full = [each for each in stored if len(each.rows)]
     empty = tuple(Folder(each.manifest, RowCounts()) for each in stored if not len(each.rows))
@@ -154,7 +166,7 @@ def load_with_rows(
 
 
 class _Stored(NamedTuple):
-    """A results folder as it was read: its manifest, and its rows, checked."""
+    """A results folder: manifest and checked rows."""
 
     folder: FilePath
     manifest: Manifest
@@ -163,25 +175,31 @@ class _Stored(NamedTuple):
 
 
 def _read(folders: str | FilePath | Iterable[str | FilePath]) -> list[_Stored]:
-    """The folders; those of later arguments are judged anew if they are of another set-up.
+    """Read the folders.
 
-    That is another machine or other versions than those of the first argument's folders.
+    Those of later arguments are judged anew if they are of another set-up. That is another machine
+    or other versions than those of the first argument's folders.
     """
     first, *later = [_results_in(given) for given in folder_paths(folders)] or [[]]
     if not first:
         raise ResultsError("no results folder given; expected at least one")
     stored = [_Stored(path, read_manifest(path, printable=True), _rows(path)) for path in first]
-    known = [each.manifest for each in stored]
+    manifests = [each.manifest for each in stored]
     for path in (path for each in later for path in each):
-        manifest, rows, recheck = read_manifest(path, printable=True), _rows(path), None
-        if not any(same_set_up(manifest, each) for each in known):
+        manifest = read_manifest(path, printable=True)
+        rows = _rows(path)
+        recheck: Recheck | None = None
+        if not any(same_set_up(manifest, each) for each in manifests):
             rows, recheck = judged_anew(rows, manifest)
         stored.append(_Stored(path, manifest, rows, recheck))
     return stored
 
 
 def _results_in(folder: FilePath) -> list[FilePath]:
-    """A results folder, or those that a folder holds which is none."""
+    """A results folder, or the results folders inside.
+
+    A folder without results inside stands for itself.
+    """
     if not folder.is_dir() or (folder / MANIFEST).exists():
         return [folder]
     return sorted(inner.parent for inner in folder.glob(f"*/{MANIFEST}")) or [folder]

@@ -1,4 +1,7 @@
-"""The rows of several results folders that count: current code, without duplicates."""
+"""The rows of several folders that count.
+
+They are of current code, without duplicates.
+"""
 
 from __future__ import annotations
 
@@ -39,7 +42,10 @@ class RowCounts(NamedTuple):
 
     @property
     def limits_text(self) -> str:
-        """What to know of a folder with other time limits than a folder before it."""
+        """A warning on different time limits.
+
+        The folder has other time limits than a folder before it.
+        """
         return (
             f"{self.other_limits} of its questions have another time limit in a folder before it; "
             "do not compare answers that were given different times"
@@ -49,10 +55,10 @@ class RowCounts(NamedTuple):
 def select_attempts(
     tables: Sequence[pa.Table], manifests: Sequence[Manifest]
 ) -> tuple[pa.Table, list[RowCounts]]:
-    """The rows that count of the folders' tables of rows, and the counts of each folder.
+    """The rows that count, and each folder's counts.
 
-    Where two folders hold the same cell, the earlier one's row counts. Where `limit_s` is missing,
-    it is the manifest's. Five columns are added:
+    The tables have the folders' rows. Where two folders hold the same cell, the earlier one's row
+    counts. Where `limit_s` is missing, it is the manifest's. Five columns are added:
 
     experiment: its name;
     answerable: whether the question has an answer and is not open;
@@ -70,12 +76,12 @@ def select_attempts(
     rows["experiment"] = rows["folder"].map({n: m.experiment.name for n, m in enumerate(manifests)})
     current = _is_current(rows, manifests)
     places = np.flatnonzero(current)
-    kept, pairs = compare_attempts(rows.iloc[places], _CELL)
-    counted = stored.take(places[kept])
-    shown = rows.iloc[places[kept]]
+    first, pairs = compare_attempts(rows.iloc[places], _CELL)
+    counted = stored.take(places[first])
+    shown = rows.iloc[places[first]]
     stated = {n: m.time_limit_s or np.nan for n, m in enumerate(manifests)}
     limits = shown["limit_s"].fillna(shown["folder"].map(stated))
-    own = shown["experiment"].map(_own_machines(shown))
+    machines = shown["experiment"].map(_own_machines(shown))
     undecided = shown["verdict"].eq("undecided")
     left_open = undecided.groupby([shown[name] for name in _QUESTION]).transform("any")
     added = {
@@ -83,7 +89,7 @@ def select_attempts(
         "answerable": _answerable(shown) & ~left_open,
         "left_open": left_open,
         "late": shown["wall_s"] > limits,
-        "elsewhere": shown["machine"].notna() & shown["machine"].ne(own),
+        "elsewhere": shown["machine"].notna() & shown["machine"].ne(machines),
     }
     for name, values in added.items():
         counted = counted.append_column(name, pa.array(values, from_pandas=True))
@@ -100,14 +106,20 @@ def select_attempts(
 
 
 def _own_machines(rows: pd.DataFrame) -> dict[str, str | None]:
-    """By experiment, the machine of most rows of the first folder that holds it."""
+    """The machine of each experiment.
+
+    It made most rows of the first folder that has the experiment.
+    """
     first = rows["folder"] == rows.groupby("experiment")["folder"].transform("min")
     modes = {str(name): part.mode() for name, part in rows[first].groupby("experiment")["machine"]}
     return {name: str(mode.iloc[0]) if len(mode) else None for name, mode in modes.items()}
 
 
 def _other_limits(rows: pd.DataFrame) -> pd.Series[int]:
-    """By folder, the number of questions that an earlier folder asks with another time limit."""
+    """Questions with another time limit, by folder.
+
+    An earlier folder asks them with another limit.
+    """
     questions = rows.drop_duplicates(["folder", "scenario_id", "branch", "limit_s"])
     first = questions.groupby(["scenario_id", "branch"])[["folder", "limit_s"]].transform("first")
     later = questions["folder"] > first["folder"]
@@ -116,7 +128,10 @@ def _other_limits(rows: pd.DataFrame) -> pd.Series[int]:
 
 
 def _is_current(rows: pd.DataFrame, manifests: Sequence[Manifest]) -> pd.Series[bool]:
-    """Whether each row is of the code that the manifest names for its solver, as in `status`."""
+    """Whether each row is of current code.
+
+    The manifest names this code for the row's solver, as in `status`.
+    """
     named = [
         (folder, *entry)
         for folder, manifest in enumerate(manifests)
@@ -156,6 +171,7 @@ def _answerable(rows: pd.DataFrame) -> pd.Series[bool]:
 
 
 def _has_answer(row: Mapping[Any, Any]) -> bool:
-    scenario, branch = scenario_of(row), row["branch"]
+    scenario = scenario_of(row)
+    branch = row["branch"]
     kind = kind_of(scenario, branch)
     return branch in kind.branches and kind.exists(scenario, branch)

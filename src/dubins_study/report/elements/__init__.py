@@ -1,1 +1,4 @@
-"""The elements of sections: content blocks, figure style, solver colours, shared drawings."""
+"""The elements of sections.
+
+Content blocks, figure style, solver colours, shared drawings.
+"""

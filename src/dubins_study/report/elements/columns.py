@@ -41,5 +41,11 @@ SOLVER = Column("solver", "solver", kind="solver")
 
 
 def marks(frame: pd.DataFrame, *keys: str) -> dict[tuple[int, str], str]:
-    """Mark the cells of these columns as `bad` if they are true or above zero."""
-    return {(row, key): "bad" for key in keys for row, bad in enumerate(frame[key]) if bad}
+    """Mark cells that are true or positive.
+
+    The cells are those of the columns `keys`; the mark is `bad`.
+    """
+    marked: dict[tuple[int, str], str] = {}
+    for key in keys:
+        marked |= {(row, key): "bad" for row, bad in enumerate(frame[key]) if bad}
+    return marked

@@ -1,4 +1,7 @@
-"""The content of a report: topics, their sections, and the text, tables and pictures in them."""
+"""The content of a report.
+
+Topics, their sections, and the text, tables and pictures in these.
+"""
 
 from __future__ import annotations
 
@@ -19,7 +22,10 @@ from dubins_study.report.elements.style import HALF, Style, new_figure
 
 
 class Place(StrEnum):
-    """Where a section stands: open at the top, folded below, or on the page about the paper."""
+    """The place of a section.
+
+    Open at the top, folded below, or on the page about the paper.
+    """
 
     FRONT = "front"
     DETAILS = "details"
@@ -34,8 +40,8 @@ class Table:
     caption: str  # what the table shows, with units
     frame: pd.DataFrame  # raw values
     columns: tuple[Column, ...]  # those that are shown, in order
-    # (row position, key) -> `good`, `bad` or `note`. The text also says what a mark says, for
-    # readers who do not see the colour.
+    # (row position, key) -> `good`, `bad` or `note`. The cell's text says the same, for readers who
+    # do not see the colour.
     marks: Mapping[tuple[int, str], str] = field(default_factory=dict)
     # more columns for the CSV file, such as the ends of an interval that is shown as text
     numbers: tuple[str, ...] = ()
@@ -52,9 +58,10 @@ class Table:
         return [list(row) for row in zip(*shown, strict=True)]
 
     def values(self) -> list[list[float | None]]:
-        """The number behind every cell, row by row; None of a cell that holds none.
+        """The numbers behind the cells, row by row.
 
-        A text that ends in an interval, in a column `x_text`, has the number in `x` or `x_share`.
+        A cell without a number has None. A text that ends in an interval, in a column `x_text`, has
+        the number in `x` or `x_share`.
         """
         shown = [_numbers_of(self.frame, column.key) for column in self.columns]
         return [list(row) for row in zip(*shown, strict=True)]
@@ -72,7 +79,7 @@ def _numbers_of(frame: pd.DataFrame, key: str) -> list[float | None]:
 
 @dataclass(frozen=True, eq=False)
 class Picture:
-    """A figure with its caption, and a text for readers who cannot see it."""
+    """A figure with its caption and alternative text."""
 
     name: str  # stem of its file names
     caption: str  # what the figure shows, with units
@@ -92,35 +99,43 @@ def picture(
     height: float,
     legend: int = 0,
 ) -> Picture:
-    """A figure of half the page's width with one panel, drawn by `plot(ax, *data)`.
+    """A figure of half the page's width.
 
-    `plot` may return the legend's entries; `legend` is the number of columns of the legend below
-    the panel, 0 for no legend.
+    It has one panel, drawn by `plot(ax, *data)`. `plot` may return the legend's entries; `legend`
+    is the number of columns of the legend below the panel, 0 for no legend.
     """
     figure = new_figure(HALF, height)
     entries = plot(figure.add_subplot(), *data)
     if legend:
         below: Style = {"loc": "outside lower left", "ncols": legend, "fontsize": 7.5}
-        figure.legend(**below if entries is None else below | {"handles": entries})
+        if entries is not None:
+            below["handles"] = entries
+        figure.legend(**below)
     return Picture(name, caption, figure, alt, half=True)
 
 
 def panels_picture(
     name: str, caption: str, plot: Callable[..., Figure], alt: str, *data: object, **options: object
 ) -> Picture:
-    """A figure of several panels, drawn by `plot(*data, **options, narrow=)` for both widths."""
+    """A figure of several panels.
+
+    Drawn by `plot(*data, **options, narrow=)` for both widths.
+    """
     wide, narrow = (plot(*data, **options, narrow=narrow) for narrow in (False, True))
     return Picture(name, caption, wide, alt, narrow=narrow)
 
 
 @dataclass(frozen=True, eq=False)
 class Widget:
-    """A part of the page that scripts bring to life; only the HTML page shows it."""
+    """A part of the page that needs scripts.
+
+    Only the HTML page shows it.
+    """
 
     name: str  # its anchor is `widget-NAME`
     caption: str  # what it shows, with units
-    # HTML that says enough without scripts. It must hold no text from outside that is not escaped;
-    # `markupsafe.Markup.format` escapes.
+    # HTML that is clear without scripts. Text from outside must be escaped, as by
+    # `markupsafe.Markup.format`.
     body: Markup
     # name -> bytes, embedded as `data-NAME-gz`: compressed by gzip, in base64
     packed: Mapping[str, bytes] = field(default_factory=dict)
@@ -131,13 +146,16 @@ Block: TypeAlias = Table | Picture | Widget
 
 @dataclass(frozen=True, eq=False)
 class Section:
-    """A heading, what to see below it, a paragraph, and tables and pictures."""
+    """A heading with its text and its blocks.
+
+    Below the heading stand the lead, a paragraph, and tables and pictures.
+    """
 
     key: str  # its anchor
     title: str  # its heading
-    text: str  # how the numbers come about, and what follows from them
-    blocks: tuple[Block, ...]  # the one that carries the section first: the page folds the others
-    lead: str = ""  # the one sentence at its top that says what to see
+    text: str  # how the numbers are computed, and what follows from them
+    blocks: tuple[Block, ...]  # the most important one first: the page folds the others
+    lead: str = ""  # the sentence at its top that says what to see
     place: Place = Place.FRONT
 
 
@@ -145,7 +163,10 @@ BENCHMARK = "benchmark"  # the key of the experiment on which methods are compar
 
 
 class General(Enum):
-    """The attempts of a section that is not about a single experiment."""
+    """The attempts of a general section.
+
+    Such a section is not about a single experiment.
+    """
 
     EVERY = auto()  # all attempts
     POOLED = auto()  # counted together: without studies of variants and of extreme questions
@@ -163,6 +184,5 @@ class Topic(NamedTuple):
     # TOML file
     about: General | str
     enters: tuple[General, ...] = ()  # the general kinds that include those experiments too
-    # That of a study stands in the details where there is a benchmark, which the page is about
-    # then, and else on the front.
+    # A study's place is the details on a page about a benchmark, and else the front.
     place: Place = Place.DETAILS

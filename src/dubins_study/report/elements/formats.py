@@ -12,14 +12,18 @@ ABSENT = "–"
 
 
 def slug(text: str) -> str:
-    """A name from outside, reduced to letters, digits and dashes, for use in a file's name."""
+    """A name from outside, for a file's name.
+
+    It is reduced to letters, digits and dashes.
+    """
     return re.sub(r"[^a-z0-9]+", "-", text.lower()).strip("-")[:60] or "unnamed"
 
 
 def digits(n: int) -> Format:
-    """A format with `n` significant digits, in plain notation between 1e-3 and 1e6.
+    """A format with `n` significant digits.
 
-    A whole number has thin spaces between thousands, as those of `count`.
+    It uses plain notation between 1e-3 and 1e6. A whole number has thin spaces between thousands,
+    as those of `count`.
     """
 
     def show(value: Any) -> str:
@@ -43,7 +47,10 @@ def digits(n: int) -> Format:
 
 
 def share(value: Any) -> str:
-    """A share as a percentage, rounded to 100 % only for 1 and to 0 % only for 0."""
+    """A share as a percentage.
+
+    It is rounded to 100 % only for 1 and to 0 % only for 0.
+    """
     percent = 100 * float(value)
     if 0 < percent < 0.1:
         return "<0.1 %"
@@ -58,8 +65,9 @@ def count(value: Any) -> str:
 
 
 def some(number: int, noun: str) -> str:
-    """A number with a noun in the singular or plural."""
-    return f"{count(number)} {noun}{'' if number == 1 else 's'}"
+    """A number with its noun, singular or plural."""
+    ending = "" if number == 1 else "s"
+    return f"{count(number)} {noun}{ending}"
 
 
 def sentences(*each: str) -> str:

@@ -1,4 +1,7 @@
-"""How a method is named in tables, and how a number or a share is written with its interval."""
+"""Names of methods, and texts of intervals.
+
+How tables name a method, and write a number or a share with its interval.
+"""
 
 from __future__ import annotations
 
@@ -21,35 +24,51 @@ METHOD = columns(
 
 
 def method_columns(frame: pd.DataFrame) -> tuple[Column, ...]:
-    """The columns that name a method; settings only if any method of the table has some."""
+    """The columns that name a method.
+
+    Settings only if any method of the table has some.
+    """
     return METHOD if frame["settings"].astype(bool).any() else METHOD[:-1]
 
 
 def interval_column(key: str, title: str) -> Column:
-    """The column of a number with its 95 % interval below it; see `with_interval_texts`."""
+    """The column of a number with its interval.
+
+    The 95 % interval is below the number; see `with_interval_texts`.
+    """
     return Column(f"{key}_text", title, kind="cell")
 
 
 def interval_keys(*keys: str) -> tuple[str, ...]:
-    """The columns of numbers and of the ends of their intervals, for the CSV file."""
-    return tuple(f"{key}{end}" for key in keys for end in ("", "_low", "_high"))
+    """Columns of numbers and of their intervals' ends.
+
+    The CSV file has them.
+    """
+    names: list[str] = []
+    for key in keys:
+        names += [key, f"{key}_low", f"{key}_high"]
+    return tuple(names)
 
 
 def with_interval_texts(frame: pd.DataFrame, **shows: Format) -> pd.DataFrame:
-    """The frame with a column `key`_text for each key, of `key`, `key`_low and `key`_high."""
+    """The frame with texts of numbers and intervals.
+
+    A column `key`_text for each key, from `key`, `key`_low and `key`_high.
+    """
     texts = {}
     for key, show in shows.items():
         values = zip(*(frame[name] for name in interval_keys(key)), strict=True)
         each = [with_interval(show, *line) for line in values]
-        two_lines = (text.replace(" (", "\n(", 1) for text in each)  # which break nowhere else
+        two_lines = (text.replace(" (", "\n(", 1) for text in each)  # no other line breaks
         texts[f"{key}_text"] = [text.replace(" ", "\u00a0") for text in two_lines]
     return frame.assign(**texts)
 
 
 def with_interval(show: Format, value: float, low: float, high: float) -> str:
-    """A number and its interval as text: `2.5 (2.1 to 3.4)`; a dash if it is not known.
+    """A number and its interval as text.
 
-    Of a share: `25.0 % (21.0 to 34.2)`.
+    An example is `2.5 (2.1 to 3.4)`. An unknown number gives a dash. Of a share: `25.0 % (21.0 to
+    34.2)`.
     """
     if value != value:
         return ABSENT
@@ -58,19 +77,20 @@ def with_interval(show: Format, value: float, low: float, high: float) -> str:
 
 
 INTERVAL_TEXT = (
-    "Below each share its 95 % interval (Wilson). A trial is a scenario with a branch: all "
-    "attempts of a solver at it, in repeats and from cold and warm starts, are parts of one trial, "
-    "and two right answers of three count 2/3."
+    "Below each share: its 95 % interval (Wilson). A trial is a scenario with a branch. All "
+    "attempts of a solver at it, repeats and cold and warm starts, are parts of one trial: two "
+    "right answers of three count 2/3."
 )
 
 
 def with_share(
     frame: pd.DataFrame, name: str, successes: pd.Series, trials: pd.Series
 ) -> pd.DataFrame:
-    """The frame with a share of trials and its interval.
+    """The frame with a share and its interval.
 
-    New columns: `name`_of (the trials), `name`_share (NaN of no trials), `name`_low and `name`_high
-    (95 %), and `name`_text, in which all of them are written out.
+    The share is one of trials. New columns: `name`_of (the trials), `name`_share (NaN of no
+    trials), `name`_low and `name`_high (95 %), and `name`_text, in which all of them are written
+    out.
     """
     n = trials.astype(np.float64).to_numpy()
     k = np.minimum(successes.astype(np.float64).to_numpy(), n)
@@ -84,14 +104,20 @@ def with_share(
 
 
 def share_text(share: float, low: float, high: float, of: float) -> str:
-    """`98.4 % of 64` and below it `91.7 to 99.7 %`; a dash if there is nothing to divide by."""
+    """A share with its trials and its interval.
+
+    `98.4 % of 64`, and below it `91.7 to 99.7 %`; a dash if there are no trials.
+    """
     if not of > 0:
         return ABSENT
     return f"{percent(share)} % of {questions(of)},\n{percent(low)} to {percent(high)} %"
 
 
 def percent(share: float, places: int = 1) -> str:
-    """A share in percent with so many decimals, rounded to 100 only for 1 and to 0 only for 0."""
+    """A share in percent with `places` decimals.
+
+    It is rounded to 100 only for 1 and to 0 only for 0.
+    """
     if share in (0, 1):
         return f"{100 * share:.0f}"
     least = 10.0**-places

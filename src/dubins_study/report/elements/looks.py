@@ -1,4 +1,7 @@
-"""How a solver is named and drawn: one name on a page, one hue and marker for an engine."""
+"""How a solver is named and drawn.
+
+One name on a page; one hue and marker for an engine.
+"""
 
 from __future__ import annotations
 
@@ -23,21 +26,25 @@ _MOST_CHARACTERS = 70
 
 @once
 def names_of(results: Results) -> pd.DataFrame:
-    """All methods of a page as `methods_of`, indexed by solver, also if `results` is a selection.
+    """All methods of a page as `methods_of`.
 
-    The column `label` has their short names, e.g. `Ipopt, joint LRS, zero start`.
+    Indexed by solver, also if `results` is a selection. The column `label` has their short names,
+    e.g. `Ipopt, joint LRS, zero start`.
     """
     methods = methods_of(results.methods)
     return methods.assign(label=pd.Series(short_labels(methods), dtype=object))
 
 
 def labels_of(results: Results) -> dict[str, str]:
-    """Solver -> its short name on the page."""
+    """Map each solver to its short name."""
     return {str(solver): str(label) for solver, label in names_of(results)["label"].items()}
 
 
 def in_page_order(frame: pd.DataFrame, results: Results) -> pd.DataFrame:
-    """The rows in the order of the page's solvers; rows of one solver keep their order."""
+    """The rows in the order of the page's solvers.
+
+    Rows of one solver keep their order.
+    """
     place = {solver: number for number, solver in enumerate(names_of(results).index)}
     return frame.sort_values(
         "solver", key=lambda solvers: solvers.map(place), kind="stable", ignore_index=True
@@ -45,15 +52,22 @@ def in_page_order(frame: pd.DataFrame, results: Results) -> pd.DataFrame:
 
 
 def short_labels(methods: pd.DataFrame) -> dict[str, str]:
-    """Solver -> engine, formulation, initial guess, and the settings that differ; all distinct."""
+    """Map each solver to a distinct short name.
+
+    Engine, formulation, initial guess, and the settings that differ.
+    """
     rows = methods.reset_index(names="solver").to_dict("records")
     labels = distinct([short_label(row) for row in rows])
     return {str(row["solver"]): label for row, label in zip(rows, labels, strict=True)}
 
 
 def short_label(row: Mapping[Hashable, Any]) -> str:
-    """The short name of a method (a row of `methods_of`), which another method may share."""
-    formulation, engine = str(row["formulation"]), str(row["engine"])
+    """The short name of a method.
+
+    The method is a row of `methods_of`; another may have the same name.
+    """
+    formulation = str(row["formulation"])
+    engine = str(row["engine"])
     if engine == UNSTATED:
         return one_line(str(row["solver"]))
     if own_name(str(row["solver"])):
@@ -71,7 +85,7 @@ def short_label(row: Mapping[Hashable, Any]) -> str:
 
 
 def distinct(labels: Sequence[str]) -> list[str]:
-    """The labels; those that are there several times get a number."""
+    """Distinct labels: repeated labels get a number."""
     shared = Counter(labels)
     names = []
     for label in labels:
@@ -87,7 +101,10 @@ _KEPT = 2  # items of a short name that a figure always shows: engine and formul
 
 
 def figure_names(labels: Mapping[str, str]) -> dict[str, str]:
-    """Solver -> name for a figure: engine, formulation, and what else tells its solvers apart."""
+    """Map each solver to its name in a figure.
+
+    Engine, formulation, and the items that tell the figure's solvers apart.
+    """
     items = [label.split(", ") for label in labels.values()]
     names = []
     for parts in items:
@@ -103,13 +120,14 @@ _USUAL_START = "bearing start"
 
 
 def common_part(names: Sequence[str]) -> tuple[str, list[str]]:
-    """What all names but the engine share, for a title, e.g. ` (presolve)`; the names without it.
+    """The shared part of names, and the rest.
 
-    A name has engine, guess and settings, with commas between them.
+    The shared part is for a title, e.g. ` (presolve)`; the rest are the names without it. A name
+    has engine, guess and settings, with commas between them.
     """
     names = distinct([one_line(name, _MOST_IN_PANEL) for name in names])
     tails = {name.partition(", ")[2] for name in names}
-    # An engine of which only the usual guess is known, or that needs none, does not name it.
+    # An engine whose only guess is the usual one, or that needs none, does not name it.
     shared = tails - {""} if tails > {_USUAL_START} else tails
     if len(names) < 2 or len(shared) > 1 or shared == {""}:
         return "", names
@@ -117,7 +135,10 @@ def common_part(names: Sequence[str]) -> tuple[str, list[str]]:
 
 
 def one_line(text: str, most: int = _MOST_CHARACTERS) -> str:
-    """A text without line breaks, and with at most so many characters."""
+    """A text on one line of limited length.
+
+    It has at most `most` characters.
+    """
     line = " ".join(text.split())
     return line if len(line) <= most else f"{line[: most - 1]}…"
 
@@ -139,7 +160,7 @@ _ENGINES = (
     *("SCS", "DAQP", "ECOS", "ProxQP", "QPALM"),
 )
 _FORMULA = "closed form"
-# A curve that is there to compare with, behind those that have a colour and a name.
+# A grey curve for comparison, behind those that have a colour and a name.
 BEHIND: style.Style = {"color": style.RULE, "linewidth": 0.8, "zorder": 1.5}
 
 
@@ -172,19 +193,23 @@ class Palette:
 
     @classmethod
     def of_page(cls, results: Results) -> Self:
-        """The palette of all engines of a page, by its solvers' specs."""
+        """The palette of all engines of a page.
+
+        It knows the engines by the solvers' specs.
+        """
         stated = names_of(results)["engine"]
         engines = {str(spec): parse_spec(str(engine))[0] for spec, engine in stated.items()}
-        own = dict.fromkeys(filter(None, map(own_name, engines)))
+        plugins = dict.fromkeys(filter(None, map(own_name, engines)))
         looks = zip(cycle(_OWN_HUES), cycle(_OWN), strict=False)
-        hues = dict(zip(own, looks, strict=False))
+        hues = dict(zip(plugins, looks, strict=False))
         return cls(cls.of(engines.values()).hues | hues, engines, labels_of(results))
 
     @classmethod
     def of(cls, engines: Iterable[str]) -> Self:
-        """The palette of some engines, or of solvers by their names.
+        """The palette of some engines or solvers.
 
-        The closed form, the reference in every figure, is drawn in the text's colour.
+        Solvers are given by their names. The closed form, the reference in every figure, is drawn
+        in the text's colour.
         """
         names = {parse_spec(engine)[0] for engine in engines} - {EXACT, _FORMULA}
         others = sorted(names - set(_ENGINES), key=natural)
@@ -196,7 +221,10 @@ class Palette:
         return cls({EXACT: reference, _FORMULA: reference} | hues)
 
     def looks(self, specs: Iterable[str]) -> dict[str, Look]:
-        """A look for each solver of a figure; line styles distinguish those of one hue."""
+        """A look for each solver of a figure.
+
+        Line styles distinguish solvers of one hue.
+        """
         result: dict[str, Look] = {}
         used: dict[str, int] = {}
         # Hues that are alike in grey begin with other dashes.
@@ -209,9 +237,12 @@ class Palette:
         return result
 
     def names(self, specs: Iterable[str]) -> dict[str, str]:
-        """The names of a figure's solvers: of a short name only what tells them apart."""
+        """The names of a figure's solvers.
+
+        A name has only the part of the short name that distinguishes it.
+        """
         return figure_names({spec: self.label(spec) for spec in specs})
 
     def label(self, spec: str) -> str:
-        """A solver's short name; its spec if the page has none."""
+        """A solver's short name, or else its spec."""
         return self.labels.get(spec) or one_line(spec)

@@ -1,13 +1,14 @@
-"""The kinds of plot that most topics use; a topic declares its marks and hands a table over.
+"""Plots that most topics use.
 
-Quartiles and shares by named lines, rising curves of shares, lines over a parameter, maps of cells.
-Matplotlib's constrained layout finds the places.
+A topic declares its marks and passes a table. Quartiles and shares by named lines, rising curves of
+shares, lines over a parameter, maps of cells. Matplotlib's constrained layout finds the places.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -38,19 +39,20 @@ from dubins_study.study.arrays import FloatArray
 
 # For captions of figures that show `statistics.methods.drawn_methods`.
 DRAWN_TEXT = (
-    "Of each formulation and engine the guess and settings that are most surely right, "
-    f"and at most {MOST_ENGINES} engines."
+    f"Each formulation has at most {MOST_ENGINES} engines, each with its best-supported guess and "
+    "settings."
 )
 MOST_NAMED = 4  # curves of a small panel that a reader can tell apart
 HIGHEST = 6.2  # inches: on the page a screen of 900 pixels, the caption not counted
 _ACROSS = 3  # panels side by side
-_LETTERS, _LETTERS_OF_THREE = 48, 34  # of a name below a panel, and below one of three
+_LETTERS = 48  # of a name below a panel
+_LETTERS_OF_THREE = 34  # of a name below one of three panels
 _MARKERS = ("D", "s", "^", "v")  # open marks that can be seen inside each other
 
 
 @dataclass(frozen=True)
 class Mark:
-    """How one column of a table, or one kind of its rows, is drawn."""
+    """The look of a column, or of a kind."""
 
     key: str  # the column, or the kind
     label: str = ""  # its name in the legend; empty for its key
@@ -77,15 +79,17 @@ class Mark:
 def quartile_lines(
     table: pd.DataFrame, key: str, palette: Palette, label: str, *, narrow: bool = False
 ) -> Figure:
-    """Median and quartiles of durations (s) on a logarithmic axis, a named line per row.
+    """Median and quartiles of durations (s).
 
-    Columns: those of `named_lines`, solver, and `key`, `key`_q1 and `key`_q3.
+    The axis is logarithmic; each row has a named line. Columns: those of `named_lines`, solver, and
+    `key`, `key`_q1 and `key`_q3.
     """
     figure, axes = named_lines(table, label, narrow=narrow)
     looks = palette.looks(table["solver"])
     ends = table[[f"{key}_q1", key, f"{key}_q3"]].to_numpy(dtype=np.float64)
     positive = ends[ends > 0] if (ends > 0).any() else np.ones(1)
-    low, high = 0.8 * positive.min(), 1.25 * positive.max()
+    low = 0.8 * positive.min()
+    high = 1.25 * positive.max()
     widen = max(1.0, (6 / (high / low)) ** 0.5)  # or the axis might have no number
     for ax, rows in axes:
         for row in rows.to_dict("records"):
@@ -103,10 +107,11 @@ def quartile_lines(
 def stacked_shares(
     table: pd.DataFrame, marks: Sequence[Mark], label: str, *, narrow: bool = False
 ) -> Figure:
-    """One bar per row, stacked of shares, those of a formulation together.
+    """One bar of stacked shares per row.
 
-    Columns: those of `named_lines`, and a share for each mark. The marks have colours and hatches,
-    in the order of the stack, from dark to light; those that no row has are left out.
+    The bars of a formulation stand together. Columns: those of `named_lines`, and a share for each
+    mark. The marks have colours and hatches, in the order of the stack, from dark to light; those
+    that no row has are left out.
     """
     figure, axes = named_lines(table, label, narrow=narrow)
     present = [mark for mark in marks if table[mark.key].fillna(0).any()]
@@ -136,10 +141,11 @@ _LETTER = 0.5  # of a font's size: the width of a letter
 def named_lines(
     table: pd.DataFrame, label: str, *, narrow: bool = False
 ) -> tuple[Figure, list[tuple[Axes, pd.DataFrame]]]:
-    """A figure of named lines, those of a formulation together, and its columns with their rows.
+    """A figure of named lines, and its columns.
 
-    Columns: formulation, short (the name), and if it is given note (a text at the right); `place`
-    is added, the height of a line. A `narrow` figure has one column, half as wide.
+    Lines of a formulation stand together; each column comes with its rows. Columns: formulation,
+    short (the name), and if it is given note (a text at the right); `place` is added, the height of
+    a line. A `narrow` figure has one column, half as wide.
     """
     size = 6.5 if narrow else 6.0
     lines = _placed(table, size, most=1 if narrow else _ACROSS)
@@ -157,9 +163,10 @@ def named_lines(
 
 
 def _placed(table: pd.DataFrame, size: float, most: int) -> pd.DataFrame:
-    """The lines with title, place and column; what all names of a title share is in the title.
+    """The lines with title, place and column.
 
-    There are fewer columns where the bars would be too short to be read.
+    The title has the part that all names below it share. There are fewer columns where the bars
+    would be too short to be read.
     """
     titled = []
     for formulation, rows in table.groupby("formulation", sort=False):
@@ -215,9 +222,10 @@ def share_curves(
     same_x: bool = True,
     narrow: bool = False,
 ) -> Figure:
-    """Rising shares over a logarithmic axis, in one wide panel or several small ones.
+    """Rising shares over a logarithmic axis.
 
-    The panels of a `narrow` figure stand in one column.
+    The figure has one wide panel or several small ones. The panels of a `narrow` figure stand in
+    one column.
 
     `shares` has for each panel's title shares in [0, 1], indexed by x (ascending), a column per
     solver; curves of solvers that are not in `names` are grey, and so are those behind the first
@@ -259,8 +267,12 @@ def share_curves(
 
 
 def _draw_shares(ax: Axes, table: pd.DataFrame, names: Mapping[str, str], palette: Palette) -> None:
-    """Draw the columns of a table over its index; those with a name in colour and below it."""
-    looks, drawn = palette.looks(names), {}
+    """Draw the columns of a table over its index.
+
+    Columns with a name are in colour, and in the legend below.
+    """
+    looks = palette.looks(names)
+    lines = {}
     for solver in [*table.columns.difference([*names]), *names]:
         curve = table[solver]
         changed = curve.ne(curve.shift()) | (curve.index == curve.index[-1])
@@ -268,10 +280,10 @@ def _draw_shares(ax: Axes, table: pd.DataFrame, names: Mapping[str, str], palett
         style = looks[solver].lines | thick if solver in looks else BEHIND
         (line,) = ax.step(curve.index[changed], curve[changed], where="post", **style)
         line.set_label(names.get(solver, "_"))
-        drawn[solver] = line
+        lines[solver] = line
     # The legend has the order in which the curves end, from the highest down.
     order = sorted(names, key=lambda s: (-round(table[s].iloc[-1], 3), -table[s].mean()))
-    handles = [drawn[solver] for solver in order]
+    handles = [lines[solver] for solver in order]
     place: Style = {"loc": "upper left", "bbox_to_anchor": (0.0, -0.12), "labelspacing": 0.15}
     ax.legend(handles=handles, fontsize=6.5, handlelength=1.8, **place)
     ax.set(ylim=(0, 1.02))
@@ -296,7 +308,8 @@ def parameter_lines(
     finite values are drawn.
     """
     shown = table[np.isfinite(table[y].astype(float)) & (table[y] > 0)]
-    looks, names = palette.looks(shown["solver"]), list(dict.fromkeys(shown["name"]))
+    looks = palette.looks(shown["solver"])
+    names = list(dict.fromkeys(shown["name"]))
     panels = list(shown.groupby("panel")) if "panel" in shown else [("", shown)]
     growth = min(1.2, 4 / max(len(names), 1))
     figure = new_figure(width, height)
@@ -304,7 +317,8 @@ def parameter_lines(
     handles: dict[str, Artist] = {}
     for ax, (title, rows) in zip(axes, panels, strict=True):
         for name, group in rows.groupby("name", sort=False):
-            look, place = looks[group["solver"].iloc[0]], names.index(name)
+            look = looks[group["solver"].iloc[0]]
+            place = names.index(name)
             style: Style = {"marker": _MARKERS[place % len(_MARKERS)], "markerfacecolor": "none"}
             style |= {"markersize": 3.5 + growth * place, "linewidth": 1.1, "label": name}
             (handles[str(name)],) = ax.plot(group[x], group[y], **look.lines, **style)
@@ -320,7 +334,9 @@ def parameter_lines(
 def draw_cells(
     ax: Axes, values: FloatArray, x: FloatArray, y: FloatArray, colours: Sequence[str] | str
 ) -> AxesImage:
-    """Fill the cells of a grid; a cell without a value stays empty.
+    """Fill the cells of a grid.
+
+    A cell without a value stays empty.
 
     Args:
         ax: where to draw.
@@ -328,12 +344,10 @@ def draw_cells(
         x, y: centres of the cells, shapes (n,) and (m,), evenly spaced.
         colours: a list of colours, or the name of a colour map.
     """
-    extent = [
-        end
-        for centres in (x, y)
-        for half in [np.diff(centres).mean() / 2 if centres.size > 1 else 0.5]
-        for end in (centres[0] - half, centres[-1] + half)
-    ]
+    extent: list[Any] = []
+    for centres in (x, y):
+        half = np.diff(centres).mean() / 2 if centres.size > 1 else 0.5
+        extent += [centres[0] - half, centres[-1] + half]
     style: Style = {"origin": "lower", "interpolation": "nearest", "cmap": colours}
     if not isinstance(colours, str):
         ends = {"vmin": -0.5, "vmax": len(colours) - 0.5}
@@ -343,7 +357,10 @@ def draw_cells(
 
 
 def _scale(ax: Axes, low: float, high: float) -> None:
-    """A logarithmic x axis with these ends; if it is short, with a number at 1, 2, 5, 10, ..."""
+    """Set a logarithmic x axis with these ends.
+
+    A short axis has a number at 1, 2, 5, 10, ...
+    """
     ax.set(xscale="log", xlim=(low, high))
     if high / low > 1000:
         log_axis(ax.xaxis)
@@ -352,7 +369,10 @@ def _scale(ax: Axes, low: float, high: float) -> None:
 
 
 def _legend(figure: Figure, side: str, handles: Sequence[Artist], columns: int = 0) -> None:
-    """A legend above (`upper`) or below (`lower`) the panels, if there is anything to name."""
+    """Add a legend above or below the panels.
+
+    `side` is `upper` or `lower`; nothing is added without handles.
+    """
     if handles:
         place: Style = {"loc": f"outside {side} left", "fontsize": 7.5, "columnspacing": 1.2}
         figure.legend(handles=handles, ncols=columns or min(len(handles), 6), **place)

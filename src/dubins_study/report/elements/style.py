@@ -1,8 +1,9 @@
-"""How figures look, and their files: colours, sizes, matplotlib's settings, axes.
+"""The look of figures, and their files.
 
-On the light page and on the dark one a hue has a contrast of at least 3 to 1 (the ratio of WCAG
-2.2, success criterion 1.4.11, for graphical objects). The engines' hues are as far apart as ten can
-be at that contrast, also for readers with protanopia or deuteranopia; a test measures both.
+Colours, sizes, matplotlib's settings, axes. On the light page and on the dark one a hue has a
+contrast of at least 3 to 1 (the ratio of WCAG 2.2, success criterion 1.4.11, for graphical
+objects). The engines' hues are as far apart as ten can be at that contrast, also for readers with
+protanopia or deuteranopia; a test measures both.
 """
 
 from __future__ import annotations
@@ -26,7 +27,10 @@ Style: TypeAlias = dict[str, Any]  # keywords of matplotlib
 
 
 class Hue(NamedTuple):
-    """One hue's values on the light and on the dark page, `#rrggbb`."""
+    """One hue on the light and the dark page.
+
+    The values are `#rrggbb`.
+    """
 
     light: str
     dark: str
@@ -58,15 +62,20 @@ _NAMED = HUES | {f"engine-{place}": hue for place, hue in enumerate(ENGINE_HUES,
 # Value in a figure's file -> the page's variable, so that a figure follows the page's mode.
 VARIABLES = {hue.light: f"--{name}" for name, hue in _NAMED.items()}
 
-INK, MUTED, RULE, PAPER = "#1a1c1f", "#6a7079", "#d5d9de", "#ffffff"
+INK = "#1a1c1f"
+MUTED = "#6a7079"
+RULE = "#d5d9de"
+PAPER = "#ffffff"
 BLUE, VERMILION, GREEN, ORANGE = (hue.light for hue in HUES.values())
 
 # Colours for maps. The dark page replaces INK and PAPER, but must not replace these, so they differ
 # by one digit.
-ON_MAP, MAP_PAPER = "#1a1c20", "#fffffe"
+ON_MAP = "#1a1c20"
+MAP_PAPER = "#fffffe"
 
 # inches: 180 and 88 mm, two columns of a journal and one; on the page its column, and half of it
-WIDE, HALF = 180 / 25.4, 88 / 25.4
+WIDE = 180 / 25.4
+HALF = 88 / 25.4
 
 _SETTINGS: Style = {
     "font.family": ["DejaVu Sans"],
@@ -93,13 +102,19 @@ _SETTINGS: Style = {
 
 
 def css_values(mode: str) -> str:
-    """The declarations of all hues' variables for one mode of the page, `light` or `dark`."""
+    """The CSS declarations of all hues.
+
+    The mode of the page is `light` or `dark`.
+    """
     return " ".join(f"--{name}: {getattr(hue, mode)};" for name, hue in _NAMED.items())
 
 
 @contextmanager
 def drawing() -> Iterator[None]:
-    """Use the study's matplotlib settings inside the `with` block, for drawing and for saving."""
+    """Use the study's matplotlib settings inside `with`.
+
+    Figures are drawn and saved inside the block.
+    """
     with mpl.rc_context():
         mpl.rcdefaults()
         mpl.rcParams.update(_SETTINGS)  # type: ignore[arg-type]  # a plain dict of settings
@@ -107,7 +122,10 @@ def drawing() -> Iterator[None]:
 
 
 def new_figure(width: float, height: float) -> Figure:
-    """An empty figure (inches) that makes room for its labels."""
+    """An empty figure (inches) with a constrained layout.
+
+    The layout makes room for labels.
+    """
     return Figure(figsize=(width, height), layout="constrained")
 
 
@@ -115,7 +133,10 @@ _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
 def power(value: float, _: object = None) -> str:
-    """A power of ten as a tick label, without mathtext; plain from 0.01 to 1000."""
+    """A power of ten as a tick label.
+
+    It needs no mathtext, and is plain from 0.01 to 1000.
+    """
     if value <= 0:
         return "0"
     exponent = round(math.log10(value))
@@ -125,24 +146,31 @@ def power(value: float, _: object = None) -> str:
 
 
 def log_axis(axis: Axis, unit: str = "") -> None:
-    """Make an axis logarithmic and label its decades, with prefixes before a unit such as `ms`.
+    """Make an axis logarithmic and label its decades.
 
-    Fewer are labelled if there are many decades.
+    A label has a prefix before a unit such as `ms`. Fewer are labelled if there are many decades.
     """
     axis.set_major_locator(LogLocator(numticks=8))
-    axis.set_major_formatter(EngFormatter(unit) if unit else FuncFormatter(power))
+    formatter = EngFormatter(unit) if unit else FuncFormatter(power)
+    axis.set_major_formatter(formatter)
     axis.set_minor_formatter(NullFormatter())
 
 
 def plain_log_axis(axis: Axis) -> None:
-    """Make an axis logarithmic and label 1, 2, 5, 10, ... as plain numbers, for few decades."""
+    """Make a logarithmic axis with plain numbers.
+
+    It labels 1, 2, 5, 10, ...; for few decades.
+    """
     axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0), numticks=12))
     axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
     axis.set_minor_formatter(NullFormatter())
 
 
 def mark_limit(ax: Axes, place: float, across: str = "x") -> Line2D:
-    """Draw a thin dotted line at a limit: vertical for `across="x"`, horizontal for `"y"`."""
+    """Draw a thin dotted line at a limit.
+
+    Vertical for `across="x"`, horizontal for `"y"`.
+    """
     draw = ax.axvline if across == "x" else ax.axhline
     return draw(place, color=MUTED, linewidth=0.8, linestyle=(0, (1, 2)))
 
@@ -157,7 +185,10 @@ _PLACE_DECIMALS = 6  # of the figure's size: less than a thousandth of a point
 
 
 def fix_layout(figure: Figure) -> None:
-    """Compute the layout once for all files of a figure: it takes most of the time of saving."""
+    """Compute the layout of a figure once.
+
+    All its files use it: the layout takes most of the time of saving.
+    """
     engine = figure.get_layout_engine()
     if engine is not None:
         # At a low resolution the letters' widths are those of whole pixels.
@@ -171,16 +202,18 @@ def fix_layout(figure: Figure) -> None:
         # place change from run to run; an SVG file's ids are made of them.
         for ax in figure.axes:
             ax.set_position(np.round(ax.get_position(original=True).bounds, _PLACE_DECIMALS))
-    for axis in (axis for ax in figure.axes for axis in (ax.xaxis, ax.yaxis)):
-        if not axis.get_label_text():
-            # For the place of a label, empty or not, matplotlib measures all tick labels again.
-            axis.set_label_coords(0, 0)
+    for ax in figure.axes:
+        for axis in (ax.xaxis, ax.yaxis):
+            if not axis.get_label_text():
+                # For the place of a label, empty or not, matplotlib measures all tick labels again.
+                axis.set_label_coords(0, 0)
 
 
 def figure_bytes(figure: Figure, kind: str) -> bytes:
-    """A figure whose layout is fixed (`fix_layout`) as the bytes of a file: svg, pdf or png.
+    """The bytes of a figure's file.
 
-    Equal figures give equal bytes: no dates, fixed ids.
+    The layout is fixed (`fix_layout`); the file is svg, pdf or png. Equal figures give equal bytes:
+    no dates, fixed ids.
     """
     buffer = BytesIO()
     dates = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}

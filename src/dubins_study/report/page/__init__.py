@@ -1,1 +1,4 @@
-"""Write sections as figures, tables, Markdown and one self-contained HTML page."""
+"""Write sections as files and as one page.
+
+Figures, tables, Markdown and one self-contained HTML page.
+"""

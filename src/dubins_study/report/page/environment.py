@@ -1,4 +1,7 @@
-"""What the templates of the page are written with: filters, scripts and embedded data."""
+"""Tools of the page's templates.
+
+Filters, scripts and embedded data.
+"""
 
 from __future__ import annotations
 
@@ -20,14 +23,15 @@ from dubins_study.study.check.two_arcs import ABNORMAL, NO_LENGTH, NO_TURN
 from dubins_study.study.judging.certify import CUT_TOLERANCE, PMP_ROUNDING, PMP_TOLERANCE
 from dubins_study.study.tolerances import ARRIVES, DRIVEN
 
-FRONT_PAGE, PAPER_PAGE = "index.html", "paper.html"
+FRONT_PAGE = "index.html"
+PAPER_PAGE = "paper.html"
 TEMPLATES = files("dubins_study.report.page") / "templates"
-# What is printed has the last word.
+# The style for printing comes last, so that its rules win.
 STYLES = (
     *("styles/base", "style", "styles/tables", "styles/attempts", "styles/drawer"),
     *("styles/explorer", "styles/print"),
 )
-# The order in which the scripts run: later ones use what earlier ones hand out.
+# The order in which the scripts run: later ones use the names of earlier ones.
 SCRIPTS = (
     *("tolerances", "dubins", "dubins-certificate", "dubins-pose", "dubins-route", "dubins-tour"),
     *("svg", "page", "tables"),
@@ -43,13 +47,19 @@ EXPLORER_SCRIPTS = tuple(
 
 
 def breakable(text: str) -> Markup:
-    """A solver's name as HTML in which a line may break between settings, and before a value."""
+    """A solver's name as HTML with break points.
+
+    A line may break between settings, and before a value.
+    """
     escaped = str(Markup.escape(text))
     return Markup(escaped.replace("[", "<wbr>[").replace(",", ",<wbr>").replace("=", "=<wbr>"))
 
 
 def choice(text: str, kind: str) -> Markup:
-    """A choice as HTML: the first line stands out, as a spec to be typed if its kind says so."""
+    """A choice as HTML.
+
+    The first line stands out, as a spec to be typed if its kind says so.
+    """
     first, *rest = text.split("\n")
     if not rest:
         return Markup.escape(text)
@@ -58,10 +68,10 @@ def choice(text: str, kind: str) -> Markup:
 
 
 def linked(text: str, sections: Sequence[Section], page: str) -> Markup:
-    """The title of a section, and what may follow a colon, as a link from `page` to that section.
+    """Link the title of a section from `page`.
 
-    Without a link if the page has the section for each of several experiments, or not at all; the
-    text says the latter.
+    The title may be followed by a colon and more text. There is no link if the page has the section
+    once per experiment, or not at all; the text says so in the latter case.
     """
     title = text.partition(":")[0]
     for section in sections:
@@ -69,24 +79,31 @@ def linked(text: str, sections: Sequence[Section], page: str) -> Markup:
             file = PAPER_PAGE if section.place is Place.PAPER else FRONT_PAGE
             place = "" if file == page else file
             return Markup('<a href="{}#{}">{}</a>').format(place, section.key, text)
-    named = any(section.title.startswith(f"{title}:") for section in sections)
-    return Markup.escape(text if named else f"{text} (not on this page)")
+    if any(section.title.startswith(f"{title}:") for section in sections):
+        return Markup.escape(text)
+    return Markup.escape(f"{text} (not on this page)")
 
 
 def packed(content: bytes) -> str:
-    """Bytes as gzip in base64; the same bytes give the same text."""
+    """Bytes as gzip in base64.
+
+    The same bytes give the same text.
+    """
     return base64.b64encode(gzip.compress(content, compresslevel=9, mtime=0)).decode("ascii")
 
 
 def scripts(names: Sequence[str] = SCRIPTS) -> list[Markup]:
-    """The texts of scripts, in the order in which they run."""
+    """The texts of scripts, in running order."""
     return [
         _tolerances() if name == "tolerances" else _text(f"scripts/{name}.js") for name in names
     ]
 
 
 def _tolerances() -> Markup:
-    """The check's tolerances, which the certificates of the page's paths use too."""
+    """The check's tolerances, as a script.
+
+    The certificates of the page's paths use them too.
+    """
     values = {
         **{"ARRIVES": ARRIVES, "DRIVEN": DRIVEN, "NO_TURN": NO_TURN, "NO_LENGTH": NO_LENGTH},
         **{"PMP_TOLERANCE": PMP_TOLERANCE, "PMP_ROUNDING": PMP_ROUNDING},
@@ -96,14 +113,20 @@ def _tolerances() -> Markup:
 
 
 def styles() -> Markup:
-    """The page's style, in the order in which rules win; the figures' hues come first."""
+    """The page's style, in the order of rules.
+
+    Later rules win; the figures' hues come first.
+    """
     light, dark = (f":root {{ {style.css_values(mode)} }}" for mode in ("light", "dark"))
     hues = f"{light}\n@media (prefers-color-scheme: dark) {{ {dark} }}\n@media print {{ {light} }}"
     return Markup("\n").join([Markup(hues), stylesheets(STYLES)])
 
 
 def stylesheets(names: Sequence[str]) -> Markup:
-    """The texts of style sheets, in the order in which rules win."""
+    """The texts of style sheets, in order.
+
+    Rules of later ones win.
+    """
     return Markup("\n").join(_text(f"{name}.css") for name in names)
 
 
@@ -112,16 +135,20 @@ def _text(name: str) -> Markup:
 
 
 class Folded(NamedTuple):
-    """A section's blocks: at first sight, and behind a line that names them."""
+    """A section's blocks, shown and folded.
+
+    The folded ones are behind a line that names them.
+    """
 
     shown: tuple[Block, ...]
     more: tuple[Block, ...]
 
 
 def folded(section: Section) -> Folded:
-    """The first block is shown, or two half figures side by side, and all widgets; the rest folds.
+    """Split a section's blocks into shown and folded.
 
-    On the page about the paper, a document to be read from top to bottom, nothing is folded.
+    Shown are the first block, or two half figures side by side, and all widgets. On the page about
+    the paper, a document to be read from top to bottom, nothing is folded.
     """
     blocks = section.blocks
     if section.place is Place.PAPER:
@@ -133,26 +160,32 @@ def folded(section: Section) -> Folded:
 
 
 def summary(block: Table | Picture) -> str:
-    """What a block shows, in a few words: a figure's alternative text, or a caption's beginning."""
+    """The content of a block in a few words.
+
+    A figure's alternative text, or a caption's beginning.
+    """
     text = block.alt if isinstance(block, Picture) else block.caption
     return " ".join(re.split(r"[.:;] ", text)[0].split()).rstrip(".")
 
 
 def environment() -> Environment:
-    """The environment of the templates: what is filled in is escaped."""
-    made = Environment(
+    """The environment of the templates.
+
+    All values are escaped.
+    """
+    templates = Environment(
         loader=PackageLoader("dubins_study.report.page", "templates"),
         autoescape=True,
         undefined=StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    made.filters |= {"breakable": breakable}
-    made.filters |= {"folded": folded, "summary": summary, "glossed": Glossed()}
-    made.filters |= {"choice": choice, "linked": linked, "packed": packed}
-    made.tests |= {
+    templates.filters |= {"breakable": breakable}
+    templates.filters |= {"folded": folded, "summary": summary, "glossed": Glossed()}
+    templates.filters |= {"choice": choice, "linked": linked, "packed": packed}
+    templates.tests |= {
         "picture": lambda block: isinstance(block, Picture),
         "table": lambda block: isinstance(block, Table),
         "widget": lambda block: isinstance(block, Widget),
     }
-    return made
+    return templates

@@ -1,4 +1,7 @@
-"""The problem: two paths in a picture, and the explorer, in which the reader drags paths."""
+"""The section on the problem, with the explorer.
+
+A picture has two paths; in the explorer the reader drags paths.
+"""
 
 from __future__ import annotations
 
@@ -30,7 +33,7 @@ class Preset(NamedTuple):
     title: str  # what there is to see
 
 
-# One of each of the paper's five problems, then where the shortest path changes its kind. Just
+# The paper's five problems, then places where the shortest path changes its kind. Just
 # outside and just inside are 0.001 R from the left circle at the arc angle 0.3, where the length
 # jumps by 6.235 R.
 PRESETS = (
@@ -50,35 +53,42 @@ PRESETS = (
 
 
 def _drawing(name: str) -> str:
-    """A drawing of the templates as an image's address, so that its styles stay its own."""
+    """A drawing of the templates as an image's address.
+
+    So its styles affect only the drawing.
+    """
     content = (TEMPLATES / f"{name}.svg").read_bytes()
     return f"data:image/svg+xml;base64,{base64.b64encode(content).decode('ascii')}"
 
 
 def _template(name: str) -> Template:
-    made = environment()
-    made.filters |= {"drawing": _drawing}
-    return made.get_template(name)
+    templates = environment()
+    templates.filters |= {"drawing": _drawing}
+    return templates.get_template(name)
 
 
 def _explorer() -> Markup:
-    """The explorer's HTML; `dubins.js` and the scripts `explorer*.js` bring it to life."""
+    """The explorer's HTML.
+
+    `dubins.js` and the scripts `explorer*.js` bring it to life.
+    """
     branches = [branch for branch in BRANCHES if branch != "best"]
     return Markup(_template("explorer.html.j2").render(presets=PRESETS, branches=branches))
 
 
 def explorer_section(results: Results) -> Section:
-    """The question, a picture of two answers, and paths that the reader drags.
+    """The question, a picture, and the explorer.
 
-    The same for all results.
+    The picture has two answers; the reader drags the paths of the explorer. The same for all
+    results.
     """
     lead = "Which path from the start to the target is the shortest?"
     two_paths = (
         "The vehicle drives forward only and cannot turn tighter than a circle of radius R. Its "
         "shortest path is made of arcs of this radius and straight lines. The word of a path names "
-        "them in their order: L is a left turn, R a right turn, S straight. Here RS is the "
-        "shortest. LS arrives too, but is more than twice as long: a solver that finds LS may take "
-        "it for the shortest."
+        "them in order: L is a left turn, R a right turn, S straight. Here RS is the "
+        "shortest. LS arrives too, but is more than twice as long: a solver that finds LS may "
+        "report it as the shortest."
     )
     try_it = (
         "Drag the target T: the bold path is the shortest, and each colour of the map is one word. "
@@ -94,7 +104,10 @@ TOPIC = Topic("the problem", explorer_section, General.EVERY, place=Place.FRONT)
 
 
 def write_explorer(file: FilePath) -> FilePath:
-    """Write the explorer as a page of its own, which opens offline; returns the file."""
+    """Write the explorer as a page of its own.
+
+    It opens offline; returns the file.
+    """
     page = environment().get_template("explorer-page.html.j2")
     text = page.render(
         title="Explore the shortest path of a vehicle that cannot turn tightly",

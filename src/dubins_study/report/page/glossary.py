@@ -1,10 +1,14 @@
-"""The words of the page, and links from their first use to what they mean."""
+"""The glossary of the page, and links to it.
+
+A word's first use on a page is the link.
+"""
 
 from __future__ import annotations
 
 import re
 import tomllib
 from importlib.resources import files
+from itertools import chain
 from typing import NamedTuple
 
 from markupsafe import Markup
@@ -30,12 +34,12 @@ class Word(NamedTuple):
 
 
 _TEXT = (files(__package__) / "glossary.toml").read_text(encoding="utf-8")
-# by what they are about, in this order
+# by subject, in this order
 GLOSSARY = {
     part: [Word(term, **texts) for term, texts in words.items()]
     for part, words in tomllib.loads(_TEXT).items()
 }
-WORDS = [word for words in GLOSSARY.values() for word in words]
+WORDS = list(chain.from_iterable(GLOSSARY.values()))
 
 
 _LINKED = [word for word in WORDS if word.forms]
@@ -44,13 +48,19 @@ _FIRST_OF = re.compile(rf"\b(?:{_FORMS})", re.IGNORECASE)
 
 
 class Glossed:
-    """Links the first use of every word on one page to the glossary."""
+    """Links each word's first use to the glossary.
+
+    The first use on one page.
+    """
 
     def __init__(self) -> None:
         self._used: set[Word] = set()
 
     def __call__(self, text: str) -> Markup:
-        """A text as HTML, with a link at each word that no earlier text used."""
+        """A text as HTML with links to the glossary.
+
+        A link is at each word that no earlier text used.
+        """
         html = Markup("")
         end = 0
         for match in _FIRST_OF.finditer(text):

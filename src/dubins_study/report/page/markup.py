@@ -1,4 +1,7 @@
-"""Tables as CSV and LaTeX, where text from outside is escaped; figures as parts of the page."""
+"""Tables as CSV and LaTeX; figures as HTML.
+
+Text from outside is escaped.
+"""
 
 from __future__ import annotations
 
@@ -18,9 +21,10 @@ _FORMULA = tuple("=+-@\t")  # a spreadsheet reads text that starts with one of t
 
 
 def to_csv(table: Table) -> str:
-    """The shown columns and those of `Table.numbers`: full digits, missing values empty.
+    """The table as CSV, with full digits.
 
-    A text that a spreadsheet would read as a formula gets a leading apostrophe.
+    The shown columns and those of `Table.numbers`; missing values are empty. A text that a
+    spreadsheet would read as a formula gets a leading apostrophe.
     """
     keys = dict.fromkeys([*(column.key for column in table.columns), *table.numbers])
     shown = table.frame[list(keys)].copy()
@@ -35,7 +39,10 @@ def _no_formula(value: object) -> object:
 
 
 def to_tex(table: Table) -> str:
-    """A `longtable` with the rules of booktabs, in UTF-8 for LuaLaTeX; solvers by short names."""
+    """The table as a LaTeX `longtable`.
+
+    It has the rules of booktabs and short names of solvers, in UTF-8 for LuaLaTeX.
+    """
     frame = pd.DataFrame(table.texts(), columns=[column.title for column in table.columns])
     for place, column in enumerate(table.columns):
         if column.kind == "solver":
@@ -48,7 +55,10 @@ def to_tex(table: Table) -> str:
 
 
 def _tex_cell(text: object) -> str:
-    """One line; TeX would read a bracket at the start of a row as a distance."""
+    """A cell's text on one line.
+
+    TeX would read a bracket at the start of a row as a distance.
+    """
     return str(text).replace("\n", " ").replace("[", "{[}")
 
 
@@ -61,20 +71,32 @@ _SHOWN = (
 
 
 def dictionary(sections: Iterable[Section]) -> Table:
-    """One line for every column of every CSV file, in the order of the page."""
-    lines = [
-        {"file": block.name, "column": key, "heading": heading, "section": section.title}
-        for section in sections
-        for block in section.blocks
-        if isinstance(block, Table)
-        for key, heading in _headings(block).items()
-    ]
+    """The dictionary of all columns.
+
+    One line for every column of every CSV file, in the order of the page.
+    """
+    lines: list[dict[str, str]] = []
+    for section in sections:
+        for block in section.blocks:
+            if isinstance(block, Table):
+                lines += [
+                    {
+                        "file": block.name,
+                        "column": key,
+                        "heading": heading,
+                        "section": section.title,
+                    }
+                    for key, heading in _headings(block).items()
+                ]
     frame = pd.DataFrame(lines, columns=["file", "column", "heading", "section"])
     return Table("dictionary", "The columns of the tables.", frame, _SHOWN)
 
 
 def _headings(table: Table) -> dict[str, str]:
-    """Key -> heading, which is empty where the page shows no such column."""
+    """Map each column's key to its heading.
+
+    The heading is empty where the page shows no such column.
+    """
     shown = {column.key: " ".join(column.title.split()) for column in table.columns}
     return shown | {key: "" for key in table.numbers if key not in shown}
 
@@ -92,11 +114,14 @@ _METADATA = re.compile(r"<metadata>.*?</metadata>|<!--.*?-->", re.DOTALL)
 _TAG = re.compile(r"<[^>]+>")
 _STYLE = re.compile(r' style="[^"]*"')
 _FILL = re.compile(r' fill="(#\w{6})"')  # of hatches; only a style can hold a variable
-_ID = re.compile(r' id="|href="#|url\(#')  # what stands before an id
+_ID = re.compile(r' id="|href="#|url\(#')  # the text before an id
 
 
 def inline(svg: str, name: str, alt: str) -> Markup:
-    """An SVG file's text as an element of the page; its ids begin with the figure's name."""
+    """An SVG file's text as an element.
+
+    Its ids begin with the figure's name.
+    """
 
     def of_page(tag: re.Match[str]) -> str:
         text = _ID.sub(lambda before: f"{before.group()}{name}-", tag.group())
@@ -108,6 +133,9 @@ def inline(svg: str, name: str, alt: str) -> Markup:
 
 
 def _following(match: re.Match[str]) -> str:
-    """A style with the page's variables for its colours, and the page's font."""
+    """A style with the page's variables and font.
+
+    The variables stand for its colours.
+    """
     text = _COLOUR.sub(lambda colour: f"var({_VARIABLES[colour.group()]})", match.group())
     return text.replace("'DejaVu Sans'", "inherit")

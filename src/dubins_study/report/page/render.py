@@ -1,10 +1,14 @@
-"""Write the report: figures, tables and one self-contained HTML file."""
+"""Write the report's files and its page.
+
+Figures, tables and one self-contained HTML file.
+"""
 
 from __future__ import annotations
 
 import gc
 import tempfile
 from collections.abc import Callable, Iterable, Sequence
+from itertools import chain
 from pathlib import Path as FilePath
 from typing import NamedTuple
 
@@ -35,7 +39,10 @@ from dubins_study.study.rows.parts import folder_paths
 
 
 class Head(NamedTuple):
-    """A page's heading, and in one sentence what it was asked."""
+    """A page's heading and its question.
+
+    The question is one or more sentences.
+    """
 
     heading: str
     asked: str
@@ -50,7 +57,10 @@ _ASKED = (
 
 
 def head_of(folders: Sequence[Folder]) -> Head:
-    """Title and question of the experiment; of several the report's."""
+    """Title and question of the page.
+
+    They are the experiment's, or the report's if there are several experiments.
+    """
     first = folders[0]
     if len({folder.name for folder in folders}) > 1:
         return Head(_TITLE, _ASKED)
@@ -69,7 +79,9 @@ def render(
     out: str | FilePath | None = None,
     progress: Progress | None = None,
 ) -> FilePath:
-    """Write the report of one or more results folders; returns the path of `index.html`.
+    """Write the report of one or more results folders.
+
+    Returns the path of `index.html`.
 
     Args:
         folders: one or more results folders, or folders of results folders.
@@ -81,14 +93,14 @@ def render(
         ResultsError: if a folder cannot be read.
         ReportError: if `out` cannot be written.
     """
-    given = folder_paths(folders)
-    # A report makes millions of objects and few circles of them: with Python's own thresholds a
-    # sixth of its time goes to looking for circles.
+    paths = folder_paths(folders)
+    # A report makes millions of objects and few reference cycles: with Python's own thresholds the
+    # search for cycles takes a sixth of the time.
     thresholds = gc.get_threshold()
     gc.set_threshold(100_000, 50, 100)
     try:
-        results, empty = load_with_rows(given)
-        target = given[0] / "report" if out is None else FilePath(out)
+        results, empty = load_with_rows(paths)
+        target = paths[0] / "report" if out is None else FilePath(out)
         every = (*(results.folders if results else ()), *empty)
         return write_page(target, lambda: _sections(results, progress), every, head_of(every))
     finally:
@@ -101,10 +113,11 @@ def write_page(
     folders: Sequence[Folder],
     head: Head,
 ) -> FilePath:
-    """Write sections as a page about results folders, tables and figures; returns `index.html`.
+    """Write sections as a page, tables and figures.
 
-    `draw` makes the sections once it is known that the folder `out` can be written; else a
-    `ReportError` is raised. An earlier report there is replaced in one step.
+    The page is about results folders. Returns `index.html`. `draw` makes the sections, after a
+    check that the folder `out` can be written; else a `ReportError` is raised. An earlier report
+    there is replaced in one step.
     """
     target = FilePath(out)
     try:
@@ -121,7 +134,7 @@ def write_page(
 # Names of all files and folders of a report. A folder that holds anything else is never replaced.
 _WRITTEN = {FRONT_PAGE, PAPER_PAGE, "figures", "tables"}
 _EARLIER = {"report.md", "report.tex"}  # of earlier versions
-_SIGN = FilePath("tables", "dictionary.csv")  # by which a report is told from other pages
+_SIGN = FilePath("tables", "dictionary.csv")  # a folder with this file is a report
 
 
 def _check_target(target: FilePath) -> None:
@@ -149,8 +162,8 @@ def _sections(results: Results | None, progress: Progress | None) -> list[Sectio
 def _without_rows() -> Section:
     text = (
         "No solver's answer was recorded: the run has not begun, was stopped before its first "
-        "answer, or every solver was left out. Run dubins-study status on the folder, then run "
-        "the command below again: it goes on where it stopped."
+        "answer, or every solver was left out. Run dubins-study status on the folder. Then run "
+        "the command below again; it continues where it stopped."
     )
     return Section("decision", "No rows", text, (), "There is nothing to report yet.")
 
@@ -158,11 +171,15 @@ def _without_rows() -> Section:
 def _write_whole(
     target: FilePath, sections: Sequence[Section], runs: Sequence[Folder], head: Head
 ) -> None:
-    """Write to a temporary folder, then rename it: a reader never sees an incomplete report."""
+    """Write to a temporary folder, then rename it.
+
+    A reader never sees an incomplete report.
+    """
     with tempfile.TemporaryDirectory(
         prefix=f".{target.name}-", dir=target.parent, ignore_cleanup_errors=True
     ) as place:
-        fresh, old = FilePath(place, "new"), FilePath(place, "old")
+        fresh = FilePath(place, "new")
+        old = FilePath(place, "old")
         fresh.mkdir()
         _write(fresh, sections, runs, head)
         if target.exists():
@@ -175,21 +192,21 @@ def _write(
 ) -> None:
     for name in ("figures", "tables"):
         (folder / name).mkdir()
-    blocks = [block for section in sections for block in section.blocks]
+    blocks = list(chain.from_iterable(section.blocks for section in sections))
     tables = [block for block in blocks if isinstance(block, Table)]
     for table in (*tables, dictionary(sections)):
         for suffix, to_text in (("csv", to_csv), ("tex", to_tex)):
             _write_text(folder / "tables" / f"{table.name}.{suffix}", to_text(table))
-    drawn: dict[str, Markup] = {}
+    elements: dict[str, Markup] = {}
     for block in blocks:
         if isinstance(block, Picture):
-            drawn |= _write_picture(block, folder / "figures")
+            elements |= _write_picture(block, folder / "figures")
     places = {place: [section for section in sections if section.place is place] for place in Place}
     paper = places[Place.PAPER]
     content = {
         "sections": sections,
         "runs": runs,
-        "drawn": drawn,
+        "drawn": elements,
         "citation": CITATION,
         "paper_title": TITLE,
         "glossary": WORDS,
@@ -216,18 +233,21 @@ def _write(
 
 
 def _write_picture(picture: Picture, folder: FilePath) -> dict[str, Markup]:
-    """Write a figure's files; returns the elements of the page, by name, for both widths."""
+    """Write a figure's files.
+
+    Returns the elements of the page, by name, for both widths.
+    """
     fix_layout(picture.figure)
     svg = figure_bytes(picture.figure, "svg")
     (folder / f"{picture.name}.svg").write_bytes(svg)
     (folder / f"{picture.name}.pdf").write_bytes(figure_bytes(picture.figure, "pdf"))
-    drawn = {picture.name: inline(svg.decode("utf-8"), picture.name, picture.alt)}
+    elements = {picture.name: inline(svg.decode("utf-8"), picture.name, picture.alt)}
     if picture.narrow is not None:
         fix_layout(picture.narrow)
         name = f"{picture.name}-narrow"
         svg = figure_bytes(picture.narrow, "svg")
-        drawn[name] = inline(svg.decode("utf-8"), name, picture.alt)
-    return drawn
+        elements[name] = inline(svg.decode("utf-8"), name, picture.alt)
+    return elements
 
 
 def _write_text(file: FilePath, text: str) -> None:
@@ -235,23 +255,26 @@ def _write_text(file: FilePath, text: str) -> None:
 
 
 def _template() -> Template:
-    """The template of one page: in each the first use of a word is a link."""
+    """The template of one page.
+
+    In each page the first use of a word is a link.
+    """
     templates = environment()
     templates.filters |= {"left_out": left_out, "warnings": warnings, "differing": differing}
     return templates.get_template("index.html.j2")
 
 
 def warnings(run: Folder) -> list[str]:
-    """Warnings about a folder's numbers; empty if there is no problem."""
+    """Warnings about a folder's numbers, perhaps none."""
     lines = []
     if not run.rows.current:
-        lines.append("It has no rows: no number here is of it.")
+        lines.append("It has no rows, so no number here comes from it.")
     if not run.manifest.finished:
-        lines.append("Not finished: numbers below are of the cells done so far.")
+        lines.append("Not finished: the numbers below count only the cells done so far.")
     if run.rows.contradicting:
         lines.append(
-            f"It contradicts a folder before it in {some(run.rows.contradicting, 'cell')}, by the "
-            "same code: the earlier folder's attempts are shown; dubins-study merge names both."
+            f"It contradicts an earlier folder in {some(run.rows.contradicting, 'cell')}, with the "
+            "same code. The earlier folder's attempts are shown; dubins-study merge names both."
         )
     if run.rows.other_limits:
         lines.append(f"{run.rows.limits_text}.")
@@ -259,28 +282,38 @@ def warnings(run: Folder) -> list[str]:
         lines.append(f"Made elsewhere, and judged anew: {differing(run.recheck)}.")
     if run.section is not None and run.section not in KEYS:
         lines.append(
-            f"No section of the report is called {run.section!r}, which its TOML file asks for; "
+            f"Its TOML file asks for the section {run.section!r}, which the report does not have; "
             f"expected one of: {', '.join(KEYS)}."
         )
     return lines
 
 
 def differing(recheck: Recheck) -> str:
-    """In how many rows of a folder what the check finds here is not what the folder says."""
+    """How many rows the check here judges differently.
+
+    The rows' verdicts are compared with those of the folder.
+    """
     parts = ", ".join(f"{name} {count(n)}" for name, n in recheck.differing.items())
+    listed = ""
+    if parts:
+        listed = f" ({parts})"
+    unchecked = ""
+    if recheck.left:
+        unchecked = f"({some(recheck.left, 'answer')} to convex problems are not judged anew)"
     return sentences(
         f"{some(recheck.changed, 'row')} of {count(recheck.judged)} differ from what the folder "
-        f"says{f' ({parts})' if parts else ''}",
-        f"({some(recheck.left, 'answer')} to convex problems are as the folder has them)"
-        if recheck.left
-        else "",
+        f"says{listed}",
+        unchecked,
     )
 
 
 def left_out(run: Folder) -> list[str]:
-    """The rows of a folder that the report leaves out, with reasons; empty if it shows all."""
+    """Rows that the report leaves out, with reasons.
+
+    The list is empty if the report shows all rows of the folder.
+    """
     lines = {
         "of earlier code of their solvers": run.rows.stale,
-        "of cells that a folder before this one holds, made by other code": run.rows.replaced,
+        "of cells that an earlier folder has, made by other code": run.rows.replaced,
     }
     return [f"{some(number, 'row')} {why}" for why, number in lines.items() if number]

@@ -1,10 +1,14 @@
-"""The report's sections in the order of the page, and the attempts that each section shows."""
+"""The sections of the report, in page order.
+
+This module also selects the attempts that each section shows.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from importlib import import_module
+from itertools import chain
 
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.content import BENCHMARK, General, Place, Section, Table, Topic
@@ -13,7 +17,7 @@ from dubins_study.report.elements.looks import labels_of
 
 # Modules of `report` with their topics, in the order of the page.
 _MODULES = (
-    # the front: first the problem, then what solvers make of it
+    # the front: first the problem, then the main results
     "page.explorer",
     "topics.belief",
     "topics.routes",
@@ -33,7 +37,7 @@ _MODULES = (
     "topics.paper",
     "topics.audit_tables",
     "topics.paper_figures",
-    # studies of one thing each
+    # studies of one question each
     "topics.radius",
     "topics.convergence",
     "topics.searches",
@@ -45,21 +49,22 @@ _MODULES = (
     "topics.tours",
     "topics.ladder",
     "topics.failures",
-    # single attempts, and what they rest on
+    # single attempts, solvers and runs
     "topics.single_attempts",
     "topics.appendix",
 )
-TOPICS = tuple(
-    topic
-    for name in _MODULES
-    for topic in vars(import_module(f"dubins_study.report.{name}")).values()
-    if isinstance(topic, Topic)
+_VALUES = chain.from_iterable(
+    vars(import_module(f"dubins_study.report.{name}")).values() for name in _MODULES
 )
+TOPICS = tuple(value for value in _VALUES if isinstance(value, Topic))
 KEYS = tuple(dict.fromkeys(topic.about for topic in TOPICS if isinstance(topic.about, str)))
 
 
 def sections_of(topic: Topic, results: Results) -> Iterator[Section]:
-    """The topic's sections: one per experiment if several name it, none without rows, else one."""
+    """The topic's sections.
+
+    One per experiment if several name it, none without rows, else one.
+    """
     selections = _selections(topic, results)
     for name, selection in selections.items():
         section = topic.write(selection)
@@ -71,7 +76,10 @@ def sections_of(topic: Topic, results: Results) -> Iterator[Section]:
 
 
 def _with_labels(section: Section, results: Results) -> Section:
-    """The section, its tables with the short names of the page's solvers."""
+    """The section with short names in its tables.
+
+    The short names are those of the page's solvers.
+    """
     labels = labels_of(results)
     blocks = tuple(
         replace(block, labels=labels) if isinstance(block, Table) else block
@@ -81,14 +89,20 @@ def _with_labels(section: Section, results: Results) -> Section:
 
 
 def _place(topic: Topic, results: Results) -> Place:
-    """The topic's place; a study's is the front of a page that has no benchmark to be about."""
+    """The topic's place on the page.
+
+    A study's place is the front if the page has no benchmark.
+    """
     study = isinstance(topic.about, str) and topic.place is Place.DETAILS
     alone = all(run.section != BENCHMARK for run in results.folders)
     return Place.FRONT if study and alone else topic.place
 
 
 def _selections(topic: Topic, results: Results) -> dict[str, Results]:
-    """Experiment, or empty -> attempts, for each section that the topic may have."""
+    """Attempts for each section of the topic.
+
+    The keys are experiments, or empty.
+    """
     # of folders with one name the first one's key
     keys = {run.name: run.section for run in reversed(results.folders)}
     if isinstance(topic.about, str):
@@ -101,12 +115,15 @@ def _selections(topic: Topic, results: Results) -> dict[str, Results]:
 
 
 def _of_kinds(keys: Mapping[str, str | None]) -> dict[General, set[str]]:
-    """The experiments of each general kind, of all with the keys that they give."""
-    own = {topic.about for topic in TOPICS}
+    """The experiments of each general kind.
+
+    All experiments, with the keys that they give.
+    """
+    studies = {topic.about for topic in TOPICS}
     admitted = {kind: {topic.about for topic in TOPICS if kind in topic.enters} for kind in General}
 
     def entering(kind: General) -> set[str]:
-        return {name for name, key in keys.items() if key not in own or key in admitted[kind]}
+        return {name for name, key in keys.items() if key not in studies or key in admitted[kind]}
 
     every = set(keys)
     suites: set[str] = set()
@@ -124,8 +141,11 @@ def _of_kinds(keys: Mapping[str, str | None]) -> dict[General, set[str]]:
 
 
 def _named_after(section: Section, experiment: str) -> Section:
-    """The section with the experiment's name in its title, its anchor and its files' names."""
+    """The section, named after the experiment.
+
+    The name is in its title, its anchor and its files' names.
+    """
     end = slug(experiment)
     blocks = tuple(replace(block, name=f"{block.name}-{end}") for block in section.blocks)
-    title, key = f"{section.title}: {experiment}", f"{section.key}-{end}"
-    return replace(section, key=key, title=title, blocks=blocks)
+    title = f"{section.title}: {experiment}"
+    return replace(section, key=f"{section.key}-{end}", title=title, blocks=blocks)

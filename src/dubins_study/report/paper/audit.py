@@ -1,7 +1,8 @@
-"""The audit of the paper: every printed length is recomputed and judged.
+"""The audit of the paper.
 
-`audit` returns one object of plain values. It is the same on every machine, since every number is
-proven to its last digit before it is rounded. `contradictions` compares it with the committed one.
+Every printed length is recomputed and compared. `audit` returns one object of plain values. It is
+the same on every machine, since every number is proven to its last digit before it is rounded.
+`contradictions` compares it with the committed one.
 
 A cell is a *correct rounding* if it is within half a unit of its last digit of the exact value.
 Otherwise it is compared with the row that each of these accidents would print:
@@ -82,7 +83,10 @@ def audit() -> Record:
 
 
 def _cells(row: PrintedRow) -> Iterator[Record]:
-    """The printed lengths of a row; the zero of its missing turn is none."""
+    """The printed lengths of a row.
+
+    The zero of its missing turn is left out.
+    """
     problem = PROBLEMS[row.label]
     exact = _with_total(pieces(problem, row.word))
     accidents = _accidents(exact, _with_total(biased(problem, row.word)))
@@ -124,7 +128,10 @@ def _accidents(exact: Sequence[arb], bias: Sequence[arb]) -> list[Accident]:
 
 
 def _accident_of(place: int, row: PrintedRow, accidents: Sequence[Accident]) -> str:
-    """The verdict on a cell that is not a correct rounding."""
+    """The verdict on a wrong cell.
+
+    One that is not a correct rounding.
+    """
     printed = [Decimal(cell) for cell in row.cells]
 
     def cells_given(accident: Accident) -> int:
@@ -154,20 +161,24 @@ def _path(row: PrintedRow) -> Record:
 
 
 def _algorithm() -> list[Record]:
-    """Algorithm 1 on each test problem, at the radius at which a turning circle has the target.
+    """Algorithm 1 on each test problem.
 
-    A turning circle passes through the target at the radius R* = r^2 / (2 |Y|); r is the target's
-    distance and Y its offset from the start's heading line. For larger radii the optimum begins
-    with a turn away from the target (RL in the left disc, LR in the right disc). Of the algorithm's
-    two words, only the one that begins with this turn then exists. The unsplit model (4.12)
-    contains LR too, so it is right in the right disc, but it does not contain RL.
+    The radius is that at which a turning circle passes through the target. A turning circle passes
+    through the target at the radius R* = r^2 / (2 |Y|); r is the target's distance and Y its offset
+    from the start's heading line. For larger radii the optimum begins with a turn away from the
+    target (RL in the left disc, LR in the right disc). Of the algorithm's two words, only the one
+    that begins with this turn then exists. The unsplit model (4.12) contains LR too, so it is right
+    in the right disc, but it does not contain RL.
     """
     positions = {problem.position: problem for problem in PROBLEMS.values()}
     return [_crossing(position, problem) for position, problem in positions.items()]
 
 
 def _crossing(position: str, problem: Problem) -> Record:
-    """Lengths just beyond R*; the right circle is the left one of the mirror image."""
+    """Lengths just beyond R*.
+
+    The right circle is the left one of the mirror image.
+    """
     at = target(problem, arb(1))
     left = positive(at.imag)
     circle = abs(at) ** 2 / (2 * abs(at.imag))
@@ -190,9 +201,10 @@ def _crossing(position: str, problem: Problem) -> Record:
 
 
 def _statements() -> list[Record]:
-    """The paper's statements that its scenarios decide: records of where, says, holds, finding.
+    """The paper's statements, checked on its scenarios.
 
-    That the exact LS and RS meet (4.10) and (4.11) is asserted of each in `pieces`.
+    Records of where, says, holds, finding. That the exact LS and RS meet (4.10) and (4.11) is
+    asserted of each in `pieces`.
     """
     turns: list[arb] = []
     ends: list[arb] = []  # final headings, not wrapped
@@ -240,13 +252,19 @@ def _range(crossings: list[Record]) -> str:
 
 
 def _is_ticks(printed: str) -> bool:
-    """Whether a printed solve time is a number of ticks of a clock of 64 a second, rounded."""
+    """Whether a printed time is a number of ticks.
+
+    The clock has 64 ticks a second; the time is rounded.
+    """
     ticks = round(Decimal(printed) * 64)
     return rounded(ball(Fraction(ticks, 64)), 3) == Decimal(printed)
 
 
 def contradictions(computed: Record, committed: Record) -> list[str]:
-    """What the code and the committed audit differ in, as lines of a unified diff."""
+    """Differences from the committed audit.
+
+    They are lines of a unified diff.
+    """
     ours = json.dumps(computed, indent=1, ensure_ascii=False).splitlines()
     theirs = json.dumps(committed, indent=1, ensure_ascii=False).splitlines()
     return [*unified_diff(theirs, ours, "committed", "computed", n=7, lineterm="")]

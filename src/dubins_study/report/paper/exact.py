@@ -1,8 +1,9 @@
-"""The paper's paths in interval arithmetic (Arb, through python-flint), and printed numbers.
+"""The paper's paths in interval arithmetic.
 
-Everything is computed in the vehicle's frame at unit radius, as in `study.closed_form.shortest`,
-but with proven bounds and with the exact headings of the paper (2 pi/3 is not rounded to a double).
-The formulas are not trusted: each path is driven, and must arrive.
+Arb computes them, through python-flint; printed numbers are compared with them. Everything is
+computed in the vehicle's frame at unit radius, as in `study.closed_form.shortest`, but with proven
+bounds and with the exact headings of the paper (2 pi/3 is not rounded to a double). The formulas
+are not trusted: each path is driven, and must arrive.
 """
 
 from __future__ import annotations
@@ -36,12 +37,18 @@ def positive(value: arb) -> bool:
 
 
 def text(value: arb) -> str:
-    """A number with 40 significant digits, proven up to a unit of the last."""
+    """A number with 40 significant digits.
+
+    It is proven up to a unit of the last.
+    """
     return str(value.str(_KEPT, radius=False))
 
 
 def truncated(value: arb, places: int) -> Decimal:
-    """A number that is not negative, cut off after `places` decimals, proven."""
+    """A number truncated after `places` decimals, proven.
+
+    The number is not negative.
+    """
     whole = (value * 10**places).floor().unique_fmpz()
     if whole is None:
         raise ArithmeticError(f"too few digits to cut {value.str(20)} off after {places} decimals")
@@ -49,12 +56,15 @@ def truncated(value: arb, places: int) -> Decimal:
 
 
 def rounded(value: arb, places: int) -> Decimal:
-    """A number that is not negative, rounded to `places` decimals, half up, proven."""
+    """A number rounded to `places` decimals, proven.
+
+    Half is rounded up; the number is not negative.
+    """
     return truncated(value + half_unit(places), places)
 
 
 def rounded_twice(value: arb, first: int, places: int) -> Decimal:
-    """Rounded to `first` decimals, and what that gives to `places`."""
+    """A number rounded to `first` decimals, then `places`."""
     return rounded(value, first).quantize(Decimal(1).scaleb(-places), ROUND_HALF_UP)
 
 
@@ -76,19 +86,26 @@ def heading(problem: Problem) -> arb:
 
 
 def target(problem: Problem, radius: arb) -> acb:
-    """The target in the vehicle's frame, in units of `radius`; its conjugate is mirrored."""
+    """The target in the vehicle's frame.
+
+    Its unit is `radius`; its conjugate is mirrored.
+    """
     return acb(*problem.target) * direction(-heading(problem)) / radius
 
 
 def after_left(at: acb, angle: arb) -> acb:
-    """A target in the vehicle's frame after a left turn by an angle (rad), at unit radius."""
+    """A target in the vehicle's frame after a turn.
+
+    A left turn by an angle (rad), at unit radius.
+    """
     return (at - 1j) * direction(-angle) + 1j
 
 
 def left_straight(at: acb) -> tuple[arb, arb]:
-    """LS to a target outside the left turning circle: angle and straight.
+    """Turn and straight of LS.
 
-    Seen from the circle's centre, the target lies s along and 1 across the direction of arrival.
+    The target is outside the left turning circle. Seen from the circle's centre, the target lies s
+    along and 1 across the direction of arrival.
     """
     straight = (abs(at - 1j) ** 2 - 1).sqrt()
     turn = (1 + 1j * at).arg() - straight.atan()
@@ -98,7 +115,10 @@ def left_straight(at: acb) -> tuple[arb, arb]:
 
 
 def pieces(problem: Problem, word: str) -> Pieces:
-    """z1, z2, z3 (length unit) of the paper's LS or RS, which is found to arrive."""
+    """z1, z2, z3 of the paper's LS or RS.
+
+    They are in the length unit; an assertion checks that the path arrives.
+    """
     at = target(problem, arb(problem.radius))
     unit = left_straight(at if word == "LS" else at.conjugate())
     turn, straight = (value * problem.radius for value in unit)
@@ -108,7 +128,10 @@ def pieces(problem: Problem, word: str) -> Pieces:
 
 
 def miss(problem: Problem, z: Sequence[arb]) -> arb:
-    """Distance of the target from the end of the path z: the length of (4.10) + i (4.11)."""
+    """Distance of the target from a path's end.
+
+    The path is z; this is the length of (4.10) + i (4.11).
+    """
     th0 = heading(problem)
     th1 = th0 + z[0] / problem.radius
     th2 = th1 - z[1] / problem.radius
@@ -124,13 +147,13 @@ IPOPT_BARRIER = 0.02 ** (1.5**4)
 
 
 def biased(problem: Problem, word: str) -> Pieces:
-    """z1, z2, z3 where Ipopt's barrier stops on model (4.12), near the LS or RS; to ten digits.
+    """z1, z2, z3 where Ipopt's barrier stops.
 
-    z1 parametrises the model's feasible curve. At unit radius, with the target at (X, Y) after the
-    first turn, dz2 = 1 - 2 cos z2 + 2 X / z3 and dz3 = -2 X / z3, so df = 2 (1 - cos z2), and
-    f - (mu / R) (log z1 + log z2 + log z3) is stationary where `slope` is `weight` times `pull`.
-    Near LS that is z2 = (mu R^2)^(1/3) in length units: the segments are off while f holds to mu's
-    order.
+    The model is (4.12); the values, near the LS or RS, have ten digits. z1 parametrises the model's
+    feasible curve. At unit radius, with the target at (X, Y) after the first turn, dz2 = 1 - 2 cos
+    z2 + 2 X / z3 and dz3 = -2 X / z3, so df = 2 (1 - cos z2), and f - (mu / R) (log z1 + log z2 +
+    log z3) is stationary where `slope` is `weight` times `pull`. Near LS that is z2 = (mu
+    R^2)^(1/3) in length units: the segments are off while f holds to mu's order.
     """
     R = problem.radius
     at = target(problem, arb(R))

@@ -1,9 +1,10 @@
-"""Published lengths of routes, held against the proven interval around the shortest length.
+"""Published lengths of routes beside proven intervals.
 
-The routes are the four examples of C. Y. Kaya, Markov-Dubins interpolating curves, Computational
-Optimization and Applications 73 (2019) 647-677, which the packaged experiment `kaya` holds. The
-lengths (in `printed.toml`) stand in the test programs of icosac/MPDP, a solver by dynamic
-programming: Kaya's as `KayaLengths` in `test/dubinsTest.cc`, and its own to thirty digits.
+An interval is around the shortest length. The routes are the four examples of C. Y. Kaya,
+Markov-Dubins interpolating curves, Computational Optimization and Applications 73 (2019) 647-677,
+which the packaged experiment `kaya` holds. The lengths (in `printed.toml`) stand in the test
+programs of icosac/MPDP, a solver by dynamic programming: Kaya's as `KayaLengths` in
+`test/dubinsTest.cc`, and its own to thirty digits.
 """
 
 from __future__ import annotations
@@ -17,11 +18,16 @@ from dubins_study.study.check.verdict import words_of
 from dubins_study.study.kinds.table import reference_of
 from dubins_study.study.scenario import Scenario
 
-SHORTEST, LONGER, TOO_SHORT = "shortest", "longer", "too short"
+SHORTEST = "shortest"
+LONGER = "longer"
+TOO_SHORT = "too short"
 
 
 class PrintedRoute(NamedTuple):
-    """A published length of a route, as printed, and the verdict that the audit expects."""
+    """A published length of a route.
+
+    It is as printed, with the verdict that the audit expects.
+    """
 
     source: str
     label: str  # in the experiment `kaya`
@@ -33,7 +39,10 @@ PRINTED_ROUTES = [PrintedRoute(**each) for each in NUMBERS["routes"]]
 
 
 def audit_routes(scenarios: Iterable[Scenario]) -> list[dict[str, Any]]:
-    """A record for each published length: ours, the proven interval and the verdict."""
+    """A record for each published length.
+
+    Ours, the proven interval and the verdict.
+    """
     routes = {scenario.label: scenario for scenario in scenarios}
     records = []
     for source, label, printed, expected in PRINTED_ROUTES:
@@ -62,11 +71,12 @@ def audit_routes(scenarios: Iterable[Scenario]) -> list[dict[str, Any]]:
 def compared(
     printed: str, length: float, low: float | Fraction, high: float | Fraction
 ) -> dict[str, Any]:
-    """How much longer a printed length is than ours (`difference`), and its `verdict`.
+    """Compare a printed length with ours.
 
-    It is `longer` than the shortest if what could round to it lies above the interval from `low` to
-    `high`, which ends at the length of a path that was found; `too short` if it lies below, where
-    no path is; else `shortest`, up to the interval's width.
+    `difference` is how much longer it is; also its `verdict`. It is `longer` than the shortest if
+    what could round to it lies above the interval from `low` to `high`, which ends at the length of
+    a path that was found; `too short` if it lies below, where no path is; else `shortest`, up to
+    the interval's width.
     """
     value = Fraction(printed)
     half_unit = Fraction(1, 2 * 10 ** len(printed.partition(".")[2]))

@@ -1,1 +1,4 @@
-"""Pure functions of arrays and frames: means, intervals, tests, profiles. No files, no figures."""
+"""Pure functions of arrays and frames.
+
+Means, intervals, tests, profiles. No files, no figures.
+"""

@@ -1,9 +1,10 @@
-"""Cost tables: what each solver paid for each question, their means, ranks and profiles; its parts.
+"""Cost tables: means, ranks, profiles, and parts.
 
-The rows of a cost table are questions, its columns solvers, and a value is the cost of a right
-answer in any one unit (seconds, function evaluations). Two values are special: infinity is a
-question that the solver was asked and did not answer correctly, so that a failure stays in every
-denominator; NaN is a question that it was not asked, or whose cost was not counted.
+A cost table has the cost of each solver at each question. The rows of a cost table are questions,
+its columns solvers, and a value is the cost of a right answer in any one unit (seconds, function
+evaluations). Two values are special: infinity is a question that the solver was asked and did not
+answer correctly, so that a failure stays in every denominator; NaN is a question that it was not
+asked, or whose cost was not counted.
 """
 
 from __future__ import annotations
@@ -23,11 +24,12 @@ _POINTS = 120  # of a profile
 
 
 def cost_table(rows: pd.DataFrame, cost: str, question: Sequence[str]) -> pd.DataFrame:
-    """The cost table of attempts: the median over repeats, infinite unless all repeats are right.
+    """The cost table of attempts.
 
-    The column `cost` holds the cost of an attempt in any unit, NaN if not counted; the column
-    `right` says whether the answer is right. In the columns of `question`, which tell questions
-    apart, a missing value is a value.
+    A cost is the median over repeats, infinite unless all repeats are right. The column `cost`
+    holds the cost of an attempt in any unit, NaN if not counted; the column `right` says whether
+    the answer is right. In the columns of `question`, which tell questions apart, a missing value
+    is a value.
     """
     groups = rows.groupby([*question, "solver"], observed=True, dropna=False)
     table = groups.agg(cost=(cost, "median"), right=("right", "all"))
@@ -36,19 +38,21 @@ def cost_table(rows: pd.DataFrame, cost: str, question: Sequence[str]) -> pd.Dat
 
 
 def shared_questions(table: pd.DataFrame) -> pd.DataFrame:
-    """The questions put to every solver: the rows without NaN.
+    """The questions put to every solver.
 
-    A joint profile, mean or ranking of solvers that met different questions compares the questions.
+    They are the rows without NaN. A joint profile, mean or ranking of solvers that met different
+    questions compares the questions.
     """
     return table[table.notna().all(axis=1)].astype(np.float64)
 
 
 def shifted_geometric_means(table: pd.DataFrame, shift: float) -> pd.Series:
-    """exp(mean(log(t + shift))) - shift of each column, in the unit of the table.
+    """Shifted geometric mean of each column.
 
-    Costs far below the shift hardly change it, and a large cost counts by its factor (Achterberg
-    2007, Constraint Integer Programming, PhD thesis, TU Berlin, appendix A). With shift 0 it is
-    the geometric mean; as the shift grows it tends to the arithmetic mean.
+    exp(mean(log(t + shift))) - shift, in the unit of the table. Costs far below the shift hardly
+    change it, and a large cost counts by its factor (Achterberg 2007, Constraint Integer
+    Programming, PhD thesis, TU Berlin, appendix A). With shift 0 it is the geometric mean; as the
+    shift grows it tends to the arithmetic mean.
 
     An infinite cost (a failure) gives infinity, NaN (not asked) is left out, no values give NaN.
     Indexed by solver.
@@ -60,10 +64,11 @@ def shifted_geometric_means(table: pd.DataFrame, shift: float) -> pd.Series:
 
 
 def chosen_shift(values: ArrayLike) -> float:
-    """A shift chosen from the data: the lower quartile of the finite costs; 0 if there are none.
+    """A shift chosen from the data.
 
-    It is small beside most costs, so that it does not dominate a mean, and large beside the noise
-    of a timer. Quote it with the mean, and the ranks at other shifts (`ranking`).
+    The lower quartile of the finite costs; 0 if there are none. It is small beside most costs, so
+    that it does not dominate a mean, and large beside the noise of a timer. Quote it with the mean,
+    and the ranks at other shifts (`ranking`).
     """
     costs = np.asarray(values, dtype=np.float64).ravel()
     finite = costs[np.isfinite(costs)]
@@ -71,20 +76,21 @@ def chosen_shift(values: ArrayLike) -> float:
 
 
 def penalised(table: pd.DataFrame, limit: float, factor: float = 1.0) -> pd.DataFrame:
-    """Costs in which a failure counts as `factor` times the limit.
+    """Costs with failures at a penalty.
 
-    A cost above the limit is one, too. The limit of an attempt is in the unit of the table. NaN
-    stays NaN.
+    A failure counts as `factor` times the limit. A cost above the limit is one, too. The limit of
+    an attempt is in the unit of the table. NaN stays NaN.
     """
     return pd.DataFrame(table.mask(table > limit, factor * limit))
 
 
 def ranking(table: pd.DataFrame, limit: float, shift: float) -> pd.DataFrame:
-    """Ranks by the shifted geometric mean of penalised costs, if they do not depend on its choices.
+    """Ranks that do not depend on shift and penalty.
 
-    Each of `SHIFT_FACTORS` with each of `PENALTIES` gives a ranking, over the questions put to all
-    solvers. A rank that changes with the shift or the penalty is said to be none. The limit of an
-    attempt and the shift are in the unit of the table.
+    They order the shifted geometric means of penalised costs. Each of `SHIFT_FACTORS` with each of
+    `PENALTIES` gives a ranking, over the questions put to all solvers. A rank that changes with the
+    shift or the penalty is missing. The limit of an attempt and the shift are in the unit of the
+    table.
 
     Indexed by solver. rank: 1 is best, equal means share the better rank, <NA> if it is none; best
     and worst: the rank's range.
@@ -103,14 +109,15 @@ def ranking(table: pd.DataFrame, limit: float, shift: float) -> pd.DataFrame:
 
 
 def performance_profile(table: pd.DataFrame) -> pd.DataFrame:
-    """rho_s(tau): the share of questions that a solver answers within tau times the least cost.
+    """Performance profile rho_s(tau) of each solver.
 
-    Indexed by tau, from 1 to the largest ratio. rho_s(1) is how often it is the cheapest, the limit
-    for large tau how often it is right at all (Dolan and More 2002, "Benchmarking optimization
-    software with performance profiles", Math. Program. 91, sec. 2). Adding a solver may change the
-    order of the others: only the best curve may be read as "best" (Gould and Scott 2016, "A note on
-    performance profiles for benchmarking software", ACM Trans. Math. Softw. 43, article 15). Costs
-    are above 0, and of the questions put to every solver.
+    The share of questions that a solver answers within tau times the least cost. Indexed by tau,
+    from 1 to the largest ratio. rho_s(1) is how often it is the cheapest, the limit for large tau
+    how often it is right at all (Dolan and More 2002, "Benchmarking optimization software with
+    performance profiles", Math. Program. 91, sec. 2). Adding a solver may change the order of the
+    others: only the best curve may be read as "best" (Gould and Scott 2016, "A note on performance
+    profiles for benchmarking software", ACM Trans. Math. Softw. 43, article 15). Costs are above 0,
+    and of the questions put to every solver.
     """
     costs = shared_questions(table)
     ratios = costs.div(costs.min(axis=1), axis=0).fillna(np.inf)  # where all failed
@@ -121,9 +128,9 @@ def performance_profile(table: pd.DataFrame) -> pd.DataFrame:
     return pd.DataFrame(within, factors, costs.columns)
 
 
-# What evaluations and seconds go to. The run that gave the answer is the floor: the engine called
-# once, from that guess. Other runs are its restarts and those on other words. The rest lies outside
-# of the runs, e.g. polishing the answer.
+# Kinds of cost, in evaluations or seconds. The run that gave the answer is the floor: the engine
+# called once, from that guess. Other runs are its restarts and those on other words. The rest lies
+# outside of the runs, e.g. polishing the answer.
 KINDS = ("winning run", "other runs", "building", "rest")
 # The columns of each run, of the winning one, and of the whole attempt.
 AMOUNTS = {
@@ -133,10 +140,11 @@ AMOUNTS = {
 
 
 def split(compared: Compared) -> dict[str, pd.DataFrame]:
-    """What the right answers at questions with a path cost, in each of `AMOUNTS`.
+    """Costs of right answers, by kind.
 
-    A row per attempt; answers whose winning run is not known are left out. Columns solver, `KINDS`
-    and total (of the whole attempt); NaN where the engine does not count.
+    The questions have a path; the costs are in each of `AMOUNTS`. A row per attempt; answers whose
+    winning run is not known are left out. Columns solver, `KINDS` and total (of the whole attempt);
+    NaN where the engine does not count.
     """
     rows = compared.answerable
     rows = rows[rows["right"] & (rows["best_run_s"] > 0)]
@@ -144,7 +152,10 @@ def split(compared: Compared) -> dict[str, pd.DataFrame]:
 
 
 def _parts(rows: pd.DataFrame, amount: str) -> pd.DataFrame:
-    """Each attempt's evaluations or seconds, by kind, and their total."""
+    """Each attempt's cost by kind, and its total.
+
+    The cost is in evaluations or seconds.
+    """
     runs, best, total = (rows[name] for name in AMOUNTS[amount])
     every = runs.map(np.nansum, na_action="ignore").astype(np.float64)
     parts = pd.DataFrame({"winning run": best.astype(np.float64)})

@@ -20,9 +20,10 @@ from dubins_study.study.arrays import FloatArray
 LEVEL = 0.95
 RESAMPLES = 1000
 _OF_SEVERAL = 4000
-# The counts of all resamples: beyond some 80 MB fewer are drawn, since the interval of that many
-# scenarios is narrow and its ends need no third digit.
-_MOST_COUNTS, _FEWEST_RESAMPLES = 10**7, 100
+# Most counts of all resamples, some 80 MB. Of more scenarios fewer resamples are drawn: their
+# interval is narrow, and its ends need no third digit.
+_MOST_COUNTS = 10**7
+_FEWEST_RESAMPLES = 100
 
 # Values of shape (rows, columns), weights of shape (resamples, rows) -> (resamples, columns).
 Statistic = Callable[[FloatArray, FloatArray], FloatArray]
@@ -31,9 +32,9 @@ Statistic = Callable[[FloatArray, FloatArray], FloatArray]
 def wilson_intervals(successes: ArrayLike, trials: ArrayLike, of: int = 1) -> FloatArray:
     """Wilson's score intervals of shares k / n.
 
-    The ends are the shares p with |k/n - p| = z sqrt(p (1 - p) / n), z the normal quantile of
-    (1 + 0.95) / 2. Of a share that was chosen among several, as the least or the largest, the level
-    is raised until all of them lie in such intervals at once with 95 % (Bonferroni's inequality):
+    The ends are the shares p with |k/n - p| = z sqrt(p (1 - p) / n), z the normal quantile of (1 +
+    0.95) / 2. If the share was chosen among several, as the least or the largest, the level is
+    higher: all of them lie in such intervals at once with 95 % (Bonferroni's inequality):
 
         (k + z^2 / 2  -+  z sqrt(k (n - k) / n + z^2 / 4)) / (n + z^2)
 
@@ -42,7 +43,7 @@ def wilson_intervals(successes: ArrayLike, trials: ArrayLike, of: int = 1) -> Fl
     binomial proportion", Stat. Sci. 16, sec. 3). Trials must be independent: count scenarios, not
     the repeats of one. k may be a sum of shares in [0, 1], e.g. of the success rates of scenarios
     over their repeats: their variance is at most p (1 - p), so that the interval is, if anything,
-    too wide. Of no trials nothing is known: the interval is (0, 1), which the formula tends to.
+    too wide. Without trials the interval is (0, 1), which the formula tends to.
 
     k and n have shapes that broadcast; the result has that of k / n and a last axis of 2: low,
     high.
@@ -53,23 +54,28 @@ def wilson_intervals(successes: ArrayLike, trials: ArrayLike, of: int = 1) -> Fl
     )
     variance = k * (n - k) / np.where(n > 0, n, 1.0)
     half = z * np.sqrt(variance + z * z / 4)
-    low, high = (k + z * z / 2 - half) / (n + z * z), (k + z * z / 2 + half) / (n + z * z)
+    low = (k + z * z / 2 - half) / (n + z * z)
+    high = (k + z * z / 2 + half) / (n + z * z)
     # With successes alone the upper end is 1, but for rounding.
     return np.stack([low, np.where(k < n, high, 1.0)], axis=-1)
 
 
 def _tail(of: int = 1) -> float:
-    """The probability beyond each end of the interval of one that was chosen among several."""
+    """The probability beyond each end of an interval.
+
+    The interval is one of `of` intervals that hold at once.
+    """
     return (1 - LEVEL) / (2 * of)
 
 
 def scenario_shares(
     rows: pd.DataFrame, *, by: Sequence[str], success: str, scenario: Sequence[str]
 ) -> pd.DataFrame:
-    """The share of successes in every group of attempts; repeats of a scenario are one trial.
+    """The share of successes in every group.
 
-    The share is the mean over scenarios of each scenario's success rate, the interval Wilson's for
-    as many trials as there are scenarios (see `wilson_intervals` on fractional successes).
+    Repeats of a scenario are one trial. The share is the mean over scenarios of each scenario's
+    success rate, the interval Wilson's for as many trials as there are scenarios (see
+    `wilson_intervals` on fractional successes).
 
     Columns `by` make a group of attempts, columns `scenario` tell scenarios apart, the column
     `success` says whether an attempt succeeded. Indexed by `by`; columns successes (a sum of
@@ -98,15 +104,15 @@ def bootstrap(
     resamples: int | None = None,
     of: int = 1,
 ) -> pd.DataFrame:
-    """A statistic of each column with its percentile interval, by the cluster bootstrap.
+    """A statistic of each column with its percentile interval.
 
-    A resample draws as many scenarios as there are, with replacement, and takes all rows of each:
-    repeats of one scenario stay together, since they are not independent (Davison and Hinkley 1997,
-    Bootstrap Methods and their Application, sec. 3.8). All columns, and all calls, see the same
-    resamples, so that a ratio compares like with like. The interval is that of Efron and Tibshirani
-    1993, An Introduction to the Bootstrap, ch. 13: it keeps its meaning under any increasing
-    transformation of the cost, and with infinite costs; the BCa interval needs the jackknife, which
-    fails for medians (ch. 11).
+    The method is the cluster bootstrap over scenarios. A resample draws as many scenarios as there
+    are, with replacement, and takes all rows of each: repeats of one scenario stay together, since
+    they are not independent (Davison and Hinkley 1997, Bootstrap Methods and their Application,
+    sec. 3.8). All columns, and all calls, see the same resamples, so that a ratio compares like
+    with like. The interval is that of Efron and Tibshirani 1993, An Introduction to the Bootstrap,
+    ch. 13: it keeps its meaning under any increasing transformation of the cost, and with infinite
+    costs; the BCa interval needs the jackknife, which fails for medians (ch. 11).
 
     Of medians an infinite value is a failure and counts as the largest cost; NaN was not measured
     and is left out. A resample without any value of a column is left out of its quantiles.
@@ -125,8 +131,8 @@ def bootstrap(
     """
     scenario, names = pd.factorize(table.index)
     affordable = max(_FEWEST_RESAMPLES, _MOST_COUNTS // max(1, len(names)))
-    drawn = min(_resamples(of), affordable) if resamples is None else resamples
-    counts = scenario_counts(len(names), drawn)
+    number = min(_resamples(of), affordable) if resamples is None else resamples
+    counts = scenario_counts(len(names), number)
     # The first line is the data, each row once.
     weights = np.vstack([np.ones(len(table)), counts[:, scenario]])
     values: FloatArray = table.to_numpy(dtype=np.float64)
@@ -143,12 +149,13 @@ def bootstrap(
 
 
 def bootstrap_of_both(table: pd.DataFrame, engines: Sequence[str], of: int = 1) -> pd.DataFrame:
-    """The mean of all values of a table, for scenarios and engines like those that were sampled.
+    """The mean of a table, over scenarios and engines.
 
-    A resample draws scenarios and, by itself, engines, with replacement, and takes the values where
-    both meet (Owen 2007, "The pigeonhole bootstrap", Ann. Appl. Stat. 1): a sentence on engines in
-    general has to hold for other engines, too. Ends as those of `bootstrap`; of one mean of
-    several those of all at once.
+    Its interval is for scenarios and engines like those that were sampled. A resample draws
+    scenarios and, by itself, engines, with replacement, and takes the values where both meet (Owen
+    2007, "The pigeonhole bootstrap", Ann. Appl. Stat. 1): a sentence on engines in general has to
+    hold for other engines, too. The ends are as in `bootstrap`; if the mean is one of several, all
+    intervals hold at once.
 
     The index of the table names the scenario of each row, `engines` the engine of each column; NaN
     was not measured. One row with the columns estimate, low and high; NaN without values.
@@ -168,22 +175,31 @@ def bootstrap_of_both(table: pd.DataFrame, engines: Sequence[str], of: int = 1) 
 
 
 def _resamples(of: int) -> int:
-    """How many resamples the interval of one of several needs: its tails hold fewer of them."""
+    """The number of resamples for an interval.
+
+    One of several intervals needs more: its tails have fewer resamples.
+    """
     return RESAMPLES if of == 1 else _OF_SEVERAL
 
 
 def _with_ends(statistics: FloatArray, names: pd.Index[Any], of: int = 1) -> pd.DataFrame:
-    """The first line of statistics (1 + resamples, columns), and the ends of the others."""
+    """The estimate with the ends of its interval.
+
+    Statistics have the shape (1 + resamples, columns); the first line is the estimate.
+    """
     frame = pd.DataFrame(statistics, columns=names)
-    drawn = frame.iloc[1:]
+    resampled = frame.iloc[1:]
     # values that occur: no interpolation towards infinity
-    low = drawn.quantile(_tail(of), interpolation="lower")
-    high = drawn.quantile(1 - _tail(of), interpolation="higher")
+    low = resampled.quantile(_tail(of), interpolation="lower")
+    high = resampled.quantile(1 - _tail(of), interpolation="higher")
     return pd.DataFrame({"estimate": frame.iloc[0], "low": low, "high": high})
 
 
 def scenario_counts(scenarios: int, resamples: int, seed: int = 0) -> FloatArray:
-    """How often each resample holds each scenario: whole numbers, shape (resamples, scenarios)."""
+    """How often each resample has each scenario.
+
+    Whole numbers, shape (resamples, scenarios).
+    """
     if not scenarios:
         return np.zeros((resamples, 0))
     equal = np.full(scenarios, 1 / scenarios)
@@ -192,7 +208,10 @@ def scenario_counts(scenarios: int, resamples: int, seed: int = 0) -> FloatArray
 
 
 def medians(values: FloatArray, weights: FloatArray) -> FloatArray:
-    """Medians of columns, each value as often as its weight says: a `Statistic`."""
+    """Weighted medians of columns: a `Statistic`.
+
+    Each value counts as often as its weight says.
+    """
     resamples = (np.repeat(values, counts, axis=0) for counts in weights.astype(int))
     return np.array([pd.DataFrame(each).median() for each in resamples])
 
@@ -200,8 +219,8 @@ def medians(values: FloatArray, weights: FloatArray) -> FloatArray:
 def averages(values: FloatArray, weights: FloatArray) -> FloatArray:
     """Arithmetic means of columns of finite values: a `Statistic`.
 
-    Of a column of successes (0 or 1) it is their share; of differences of successes (-1, 0 or 1)
-    the difference of two shares on the same questions.
+    For successes (0 or 1) it is their share; for differences of successes (-1, 0 or 1) the
+    difference of two shares on the same questions.
     """
     known = ~np.isnan(values)
     with np.errstate(invalid="ignore"):  # 0 / 0: a resample without a value
@@ -220,12 +239,13 @@ def geometric_means(shift: float) -> Statistic:
 
 
 class PairedTest(NamedTuple):
-    """A two-sided test of a solver against a rival on the same questions, by costs (see `costs`).
+    """A two-sided paired test of two solvers.
 
-    `pairs` compared questions, of which the solver was cheaper in `wins`, dearer in `losses` and
-    equal in `ties`; `p`: the probability of a difference at least as large if there is none, 1 if
-    there are only ties. A failure loses to every right answer, two failures tie, and a pair with
-    NaN is left out. Repeats are not independent: each question has one value, such as their median.
+    A solver against a rival on the same questions, by costs (see `costs`). `pairs` compared
+    questions, of which the solver was cheaper in `wins`, dearer in `losses` and equal in `ties`;
+    `p`: the probability of a difference at least as large if there is none, 1 if there are only
+    ties. A failure loses to every right answer, two failures tie, and a pair with NaN is left out.
+    Repeats are not independent: each question has one value, such as their median.
     """
 
     pairs: int
@@ -236,26 +256,28 @@ class PairedTest(NamedTuple):
 
 
 def sign_test(costs: ArrayLike, rival_costs: ArrayLike) -> PairedTest:
-    """The exact sign test: are wins and losses equally likely?
+    """The exact sign test of wins and losses.
 
-    Wins are binomial with 1/2 of wins + losses; ties are left out (Conover 1999, Practical
-    Nonparametric Statistics, 3rd ed., sec. 3.4). On costs of 0 (right) and 1 (wrong) it is
-    McNemar's exact test of two success rates. It assumes nothing of the sizes of differences.
+    Its hypothesis: both are equally likely. Wins are binomial with 1/2 of wins + losses; ties are
+    left out (Conover 1999, Practical Nonparametric Statistics, 3rd ed., sec. 3.4). On costs of 0
+    (right) and 1 (wrong) it is McNemar's exact test of two success rates. It assumes nothing of the
+    sizes of differences.
     """
-    mine, rival = (np.asarray(values, dtype=np.float64) for values in (costs, rival_costs))
-    pairs = int((~np.isnan(mine) & ~np.isnan(rival)).sum())
-    wins = int((mine < rival).sum())
-    losses = int((mine > rival).sum())
+    first, rival = (np.asarray(values, dtype=np.float64) for values in (costs, rival_costs))
+    pairs = int((~np.isnan(first) & ~np.isnan(rival)).sum())
+    wins = int((first < rival).sum())
+    losses = int((first > rival).sum())
     p = min(1.0, 2 * float(bdtr(min(wins, losses), wins + losses, 0.5)))
     return PairedTest(pairs, wins, losses, pairs - wins - losses, p)
 
 
 def holm(p_values: ArrayLike) -> FloatArray:
-    """Holm's adjusted p-values: p_(i) becomes the largest of (m - j + 1) p_(j), j <= i; at most 1.
+    """Holm's adjusted p-values.
 
-    Rejecting what is at most alpha keeps the chance of any false rejection among all m tests at
-    alpha, however the tests depend on each other (Holm 1979, "A simple sequentially rejective
-    multiple test procedure", Scand. J. Stat. 6).
+    p_(i) becomes the largest of (m - j + 1) p_(j), j <= i; at most 1. Rejecting all hypotheses with
+    values up to alpha keeps the chance of any false rejection among all m tests at alpha, however
+    the tests depend on each other (Holm 1979, "A simple sequentially rejective multiple test
+    procedure", Scand. J. Stat. 6).
 
     The shape is (m,), in any order; NaN is no test: it stays NaN and is not counted in m.
     """
@@ -269,10 +291,11 @@ def holm(p_values: ArrayLike) -> FloatArray:
 
 
 def paired_tests(table: pd.DataFrame, pairs: Iterable[tuple[str, str]]) -> pd.DataFrame:
-    """The sign test of each pair of columns of a cost table, with one row per question.
+    """Sign tests of pairs of columns.
 
-    Columns solver, rival, those of `PairedTest` and p_holm (over all pairs); p and p_holm are NaN
-    of two solvers without a common question.
+    The table is a cost table with one row per question. Columns solver, rival, those of
+    `PairedTest` and p_holm (over all pairs); p and p_holm are NaN of two solvers without a common
+    question.
     """
     lines = [(solver, rival, *sign_test(table[solver], table[rival])) for solver, rival in pairs]
     frame = pd.DataFrame(lines, columns=["solver", "rival", *PairedTest._fields])

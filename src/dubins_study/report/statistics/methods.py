@@ -1,4 +1,7 @@
-"""The methods that are compared: their names, and the attempts by which they are compared."""
+"""The methods that are compared.
+
+Their names, and the attempts by which they are compared.
+"""
 
 from __future__ import annotations
 
@@ -7,6 +10,7 @@ import re
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property, wraps
+from itertools import chain
 from typing import TypeVar
 from weakref import WeakKeyDictionary
 
@@ -24,23 +28,23 @@ UNSTATED = "not stated"
 _STATED = ["formulation", "engine", "guess"]
 # It belongs to the formulation: engines with it and without it solve different problems.
 _PRESOLVE = "presolve"
-# Guesses that need no word where an engine and a formulation have no other.
+# Guesses that a name leaves out if an engine and a formulation have no other.
 _USUAL = ("none", "bearing", "warm", UNSTATED)
 _GUESSES = ("none", "bearing", "zero", "random", "warm", "given")
 
 
 def methods_of(rows: pd.DataFrame) -> pd.DataFrame:
-    """The methods of some attempts, in the order of tables.
+    """The methods of attempts, in the order of tables.
 
     Rows of attempts that failed may lack a method's columns; another row of the solver gives them.
 
     Returns:
         Indexed by solver. Columns formulation, engine, guess; settings: those of the spec that
-        tell solvers with the same three apart (the solver's name if it states no engine; of a
-        plug-in's solver the engine is its own name, and it stands first), and the
-        presolve where it tells solvers of the formulation apart; variant: guess and settings, the
-        guess only where it is unusual or not the only one; short: engine and variant, for a figure
-        of one formulation; name: of a sentence, with formulation and guess.
+        distinguish solvers with the same three (the solver's name if it states no engine; the
+        engine of a plug-in's solver is its own name, and such solvers come first), and the presolve
+        where it distinguishes solvers of the formulation; variant: guess and settings, the guess
+        only where it is unusual or not the only one; short: engine and variant, for a figure of one
+        formulation; name: for sentences, with formulation and guess.
     """
     stated = rows.groupby("solver", observed=True)[_STATED].first().fillna(UNSTATED)
     names = stated.index.map(own_name).to_series(stated.index)
@@ -51,29 +55,29 @@ def methods_of(rows: pd.DataFrame) -> pd.DataFrame:
         for name, group in stated.groupby("formulation")
     }
     # A warm question's path is the question's own guess, not the method's.
-    given = stated["guess"].str.replace(" or warm", "", regex=False)
-    methods = stated.groupby([stated["formulation"], stated["engine"], given], sort=False)
+    base_guess = stated["guess"].str.replace(" or warm", "", regex=False)
+    methods = stated.groupby([stated["formulation"], stated["engine"], base_guess], sort=False)
     for (formulation, engine, _), group in methods:
-        named = engine == UNSTATED
-        settings |= _differing(group.index.tolist(), named=named, also=shared[str(formulation)])
+        with_name = engine == UNSTATED
+        settings |= _differing(group.index.tolist(), named=with_name, also=shared[str(formulation)])
     frame = stated.assign(settings=[settings[spec] for spec in stated.index])
-    guesses = given.groupby([frame["formulation"], frame["engine"]]).transform("nunique")
-    starts = given.replace("none", "no") + " start"
-    guess = starts.where((guesses > 1) | ~given.isin(_USUAL), "")
+    guesses = base_guess.groupby([frame["formulation"], frame["engine"]]).transform("nunique")
+    starts = base_guess.replace("none", "no") + " start"
+    guess = starts.where((guesses > 1) | ~base_guess.isin(_USUAL), "")
     variant = _joined(guess, frame["settings"])
     frame = frame.assign(variant=variant, short=_joined(frame["engine"], variant))
     stated_guess = frame["guess"].where(frame["guess"] != "none", "")
-    settled = _joined(stated_guess, frame["settings"])
+    details = _joined(stated_guess, frame["settings"])
     frame["name"] = [
         f"{engine} ({text}) on {formulation}" if text else f"{engine} on {formulation}"
         for engine, text, formulation in zip(
-            frame["engine"], settled, frame["formulation"], strict=True
+            frame["engine"], details, frame["formulation"], strict=True
         )
     ]
     order = frame.assign(
         others=names == "",
         formulation=_places(frame["formulation"], FORMULATIONS),
-        guess=_places(given, _GUESSES),
+        guess=_places(base_guess, _GUESSES),
         engine=frame["engine"].str.casefold(),
         settings=_places(frame["settings"], sorted(set(frame["settings"]), key=natural)),
         spec=_places(frame.index.to_series(), sorted(frame.index, key=natural)),
@@ -82,7 +86,7 @@ def methods_of(rows: pd.DataFrame) -> pd.DataFrame:
 
 
 def _joined(*texts: pd.Series[str]) -> pd.Series[str]:
-    """Texts side by side, with commas between those that are not empty."""
+    """Texts joined by commas, without empty ones."""
     lines = zip(*texts, strict=True)
     return pd.Series(
         [", ".join(filter(None, line)) for line in lines], texts[0].index, dtype=object
@@ -90,44 +94,46 @@ def _joined(*texts: pd.Series[str]) -> pd.Series[str]:
 
 
 def best_methods(frame: pd.DataFrame, keys: list[str]) -> pd.DataFrame:
-    """The method of each group that is most surely right, the fastest where several are as sure.
+    """The best-supported method of each group.
 
-    The lower end of the share's interval decides: of a few questions all right is less than of many
-    nearly all.
+    The fastest where several have equal support. The lower end of the share's interval decides: a
+    few questions, all right, support a method less than many questions, nearly all right.
 
     The frame has a row per method with the columns `keys`, e.g. formulation and engine, right_low
     (of the share of right answers) and wall_s (median time); returned are some of its rows, in its
     order.
     """
     ranked = _ranked(frame.reset_index(drop=True))
-    kept = ranked.drop_duplicates(keys).index
-    return frame.iloc[sorted(kept)]
+    places = ranked.drop_duplicates(keys).index
+    return frame.iloc[sorted(places)]
 
 
 def _ranked(frame: pd.DataFrame, low: str = "right_low") -> pd.DataFrame:
     return frame.sort_values([low, "wall_s"], ascending=[False, True], kind="stable")
 
 
-def surest_first(rows: pd.DataFrame, keys: list[str]) -> pd.DataFrame:
-    """The methods of attempts (`Compared.rows`), the most surely right first.
+def by_support(rows: pd.DataFrame, keys: list[str]) -> pd.DataFrame:
+    """The methods of attempts, the best supported first.
 
-    As `scenario_shares` by the keys, a trial a question, with wall_s, the median time (s).
+    The attempts are `Compared.rows`. As `scenario_shares` by the keys, a trial a question, with
+    wall_s, the median time (s).
     """
     shares = scenario_shares(rows, by=keys, success="right", scenario=["question"])
     times = rows.groupby(keys, observed=True)["wall_s"].median()
     return _ranked(shares.assign(wall_s=times), "low")
 
 
-# As many methods at most have a bar or a curve each in one figure. Of more, only the best of each
+# At most this many methods have a bar or a curve each in one figure. Of more, only the best of each
 # engine are drawn, and at most `MOST_ENGINES` of a formulation.
-MOST_METHODS, MOST_ENGINES = 14, 10
+MOST_METHODS = 14
+MOST_ENGINES = 10
 
 
 def drawn_methods(frame: pd.DataFrame) -> pd.DataFrame:
-    """The methods that figures with a panel per formulation show: the `best_methods` of engines.
+    """The methods that figures by formulation show.
 
-    At most `MOST_ENGINES` of a formulation, plug-ins' and those most surely right; not the closed
-    form, to which no engine compares, unless there is no other.
+    They are the `best_methods` of engines. At most `MOST_ENGINES` of a formulation, plug-ins' and
+    the best supported; not the closed form, to which no engine compares, unless there is no other.
     """
     engines = frame[frame["formulation"] != FORMULATIONS[0]]
     engines = engines if len(engines) else frame
@@ -136,30 +142,34 @@ def drawn_methods(frame: pd.DataFrame) -> pd.DataFrame:
     first = _ranked(best).sort_values(  # plug-ins' solvers first
         "solver", key=lambda solvers: solvers.map(own_name).eq(""), kind="stable"
     )
-    kept = first.groupby("formulation", sort=False).head(MOST_ENGINES)
-    return kept.sort_values("place", kind="stable").drop(columns="place")
+    shown = first.groupby("formulation", sort=False).head(MOST_ENGINES)
+    return shown.sort_values("place", kind="stable").drop(columns="place")
 
 
 def foremost(scores: pd.Series[float], most: int = MOST_ENGINES) -> list[str]:
-    """Some solvers, plug-ins' and those with the largest scores, in the order of the index.
+    """Solvers whose curves are in colour.
 
-    A figure draws their curves in colour and the others in grey.
+    They are plug-ins' and those with the largest scores, in the order of the index. A figure draws
+    their curves in colour and the others in grey.
     """
     best = scores.sort_values(ascending=False, kind="stable").index
-    kept = set([*own(best), *best][:most])
-    return [str(name) for name in scores.index if name in kept]
+    chosen = set([*own(best), *best][:most])
+    return [str(name) for name in scores.index if name in chosen]
 
 
 def _differing_keys(settings: list[dict[str, str]]) -> set[str]:
     """The settings that some specs have otherwise than others."""
-    keys = {key for each in settings for key in each}
+    keys = set[str]().union(*settings)
     return {key for key in keys if len({each.get(key) for each in settings}) > 1}
 
 
 def _differing(specs: list[str], *, named: bool, also: set[str]) -> dict[str, str]:
-    """For each spec the settings, and the name, that the specs do not share, and some more."""
+    """Texts of the settings that specs do not share.
+
+    For each spec; with the name if specs differ in it, and with the settings `also`.
+    """
     parsed = [parse_spec(spec) for spec in specs]
-    keys = dict.fromkeys(key for _, settings in parsed for key in settings)
+    keys = dict.fromkeys(chain.from_iterable(settings for _, settings in parsed))
     differing = _differing_keys([settings for _, settings in parsed]) | also
     shown = [key for key in keys if key in differing]
     several_names = named or len({name for name, _ in parsed}) > 1
@@ -171,7 +181,10 @@ def _differing(specs: list[str], *, named: bool, also: set[str]) -> dict[str, st
 
 
 def _setting_text(key: str, value: str) -> str:
-    """A setting in a name: a switch by its name, anything else with its value, e.g. `tol=1e-8`."""
+    """A setting as it stands in a name.
+
+    A switch by its name, anything else with its value, e.g. `tol=1e-8`.
+    """
     switch = {"true": key, "false": f"{key} off"}
     return switch.get(value.lower(), f"{key}={_ZEROS.sub('', value.lower())}")
 
@@ -180,7 +193,10 @@ _ZEROS = re.compile(r"(?<=\de[+-])0+(?=\d)|(?<=\de)\+0*(?=\d)")
 
 
 def _places(values: pd.Series[str], order: Sequence[str]) -> pd.Series[int]:
-    """The place of each value in an order; unknown values come last."""
+    """The place of each value in an order.
+
+    Unknown values come last.
+    """
     places = {value: place for place, value in enumerate(order)}
     return values.map(places).fillna(len(order)).astype(int)
 
@@ -191,11 +207,12 @@ T = TypeVar("T")
 
 @dataclass(frozen=True, eq=False)
 class Compared:
-    """Cold attempts of engines that could be called, and the time limit of an attempt.
+    """Attempts by which solvers are compared.
 
-    `rows` has most columns of the schema, and question and scenario (whole numbers) and right (the
-    check accepts the answer, and an engine gave it). `methods` is the frame of `methods_of`;
-    `strata` are in the order of the experiment's file.
+    Cold attempts of engines that could be called, and the time limit of an attempt. `rows` has most
+    columns of the schema, and question and scenario (whole numbers) and right (the check accepts
+    the answer, and an engine gave it). `methods` is the frame of `methods_of`; `strata` are in the
+    order of the experiment's file.
     """
 
     rows: pd.DataFrame
@@ -222,21 +239,28 @@ class Compared:
         *,
         of: int = 1,
     ) -> pd.DataFrame:
-        """`intervals.bootstrap` over the scenarios of a table of questions by solvers.
+        """`intervals.bootstrap` over the scenarios of a table.
 
-        Indexed by solver; columns `name`, `name`_low and `name`_high.
+        The table has questions by solvers. Indexed by solver; columns `name`, `name`_low and
+        `name`_high.
         """
         frame = bootstrap(self.by_scenario(table), statistic, base, of=of)
         return frame.set_axis([name, f"{name}_low", f"{name}_high"], axis=1)
 
     def by_scenario(self, table: pd.DataFrame) -> pd.DataFrame:
-        """A table whose index holds questions, with their scenarios in the index."""
+        """The table with scenarios in its index.
+
+        Instead of their questions.
+        """
         first = self.rows.drop_duplicates("question").set_index("question")
         return table.set_axis(first["scenario"].reindex(table.index).to_numpy(), axis=0)
 
 
 def once(compute: Callable[[Rows], T]) -> Callable[[Rows], T]:
-    """The function, computed once for the same rows; nobody may change its result."""
+    """The function, computed once for the same rows.
+
+    Nobody may change its result.
+    """
     known: WeakKeyDictionary[Rows, T] = WeakKeyDictionary()
 
     @wraps(compute)
@@ -254,36 +278,42 @@ _UNREAD = [column.name for column in ROW if column.detail]
 
 @once
 def compared(results: Results) -> Compared | None:
-    """The attempts by which solvers are compared; None if there are none.
+    """Attempts by which solvers are compared, or None.
 
     Left out: attempts from another solver's path, and those of engines that are not installed.
     """
     rows = results.rows.drop(columns=_UNREAD)
-    kept = rows[(rows["initial_guess"] == "cold") & rows["outcome"].ne("unavailable")]
-    if kept.empty:
+    cold = rows[(rows["initial_guess"] == "cold") & rows["outcome"].ne("unavailable")]
+    if cold.empty:
         return None
-    methods = methods_of(kept)
+    methods = methods_of(cold)
     stated = methods[["formulation", "engine", "guess"]]
-    kept = kept.assign(
-        question=kept.groupby(list(TRIAL), observed=True, sort=False).ngroup(),
-        scenario=pd.factorize(kept["scenario_id"])[0],
-        right=success(kept),
-        presolved=presolved(kept),
-        **{str(name): kept["solver"].map(values) for name, values in stated.items()},
+    cold = cold.assign(
+        question=cold.groupby(list(TRIAL), observed=True, sort=False).ngroup(),
+        scenario=pd.factorize(cold["scenario_id"])[0],
+        right=success(cold),
+        presolved=presolved(cold),
+        **{str(name): cold["solver"].map(values) for name, values in stated.items()},
     )
-    strata = tuple(stratum_order(results, kept["label"].fillna("")))
-    return Compared(kept, methods, _limit(kept), strata)
+    strata = tuple(stratum_order(results, cold["label"].fillna("")))
+    return Compared(cold, methods, _limit(cold), strata)
 
 
 def stratum_order(results: Results, labels: Iterable[str]) -> list[str]:
-    """Distinct labels of scenarios, in the order in which the experiments' files name them."""
+    """Distinct labels of scenarios, in file order.
+
+    The experiments' files name them in this order.
+    """
     text = "\n".join(folder.manifest.experiment.text for folder in results.folders)
     places = {name: text.find(json.dumps(name)) for name in sorted(set(labels))}
     return sorted(places, key=lambda name: (places[name] < 0, places[name]))
 
 
 def _limit(rows: pd.DataFrame) -> float:
-    """The largest time limit of the attempts; if none is stated, the longest one's time (s)."""
+    """The largest time limit of the attempts (s).
+
+    If none is stated, the longest time of an attempt.
+    """
     stated = rows["limit_s"][np.isfinite(rows["limit_s"])]
     longest = float((stated if len(stated) else rows["wall_s"]).max())
     return longest if longest > 0 else 1.0

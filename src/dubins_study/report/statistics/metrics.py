@@ -1,14 +1,15 @@
-"""Pure functions that compute numbers from rows, or from attempts as they are counted.
+"""Pure functions that compute numbers.
 
-Shares are of the questions that a method takes. A failed attempt stays in every denominator, and in
-a quantile of gaps an attempt without a gap counts as infinite.
+They read rows, or attempts as they are counted. Shares are of the questions that a method takes. A
+failed attempt stays in every denominator, and in a quantile of gaps an attempt without a gap counts
+as infinite.
 """
 
 from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from itertools import zip_longest
+from itertools import chain, zip_longest
 
 import numpy as np
 import pandas as pd
@@ -30,16 +31,22 @@ def parse_spec(spec: str) -> tuple[str, dict[str, str]]:
 
 
 def natural(text: str) -> tuple[tuple[bool, float, str], ...]:
-    """A key that sorts by the numbers in texts: `n=20` before `n=160`, 1e-8 before 1e-3."""
+    """A key that sorts texts by their numbers.
+
+    `n=20` before `n=160`, 1e-8 before 1e-3.
+    """
     parts = _NUMBER.split(text)
     texts = ((False, 0.0, part) for part in parts[::2])
     numbers = ((True, float(part), part) for part in parts[1::2])
-    both = [part for pair in zip_longest(texts, numbers) for part in pair if part]
-    return tuple(both)
+    both = chain.from_iterable(zip_longest(texts, numbers))
+    return tuple(filter(None, both))
 
 
 def solver_order(solvers: Sequence[str]) -> list[str]:
-    """Distinct solvers: plug-ins', the closed form, then by name, variants after the plain one."""
+    """Distinct solvers in the order of tables.
+
+    The order: plug-ins', the closed form, then by name, variants after the plain one.
+    """
 
     def rank(spec: str) -> tuple[object, ...]:
         name, settings = parse_spec(spec)
@@ -49,33 +56,40 @@ def solver_order(solvers: Sequence[str]) -> list[str]:
 
 
 def success(rows: pd.DataFrame) -> pd.Series[bool]:
-    """Whether the check accepted each attempt's answer as right, and an engine gave it in time."""
+    """Whether each attempt's answer is right.
+
+    The check accepted it, and an engine gave it in time.
+    """
     return rows["verdict"].isin(SUCCESSES) & ~presolved(rows) & ~is_true(rows["late"])
 
 
 def proof(rows: pd.DataFrame) -> pd.Series:
-    """The kind of proof of each attempt; `none` if there is none."""
-    given = rows["proof"].astype(object)
-    return given.where(given.isin(PROOFS), "none")
+    """The kind of proof of each attempt.
+
+    `none` if there is none.
+    """
+    proofs = rows["proof"].astype(object)
+    return proofs.where(proofs.isin(PROOFS), "none")
 
 
 def gaps(rows: pd.DataFrame) -> pd.Series:
-    """Gaps of the attempts at questions that have an answer; infinite if no path arrived.
+    """Gaps of the attempts at answerable questions.
 
-    Columns: gap, answerable.
+    Infinite if no path arrived. Columns: gap, answerable.
     """
     answerable: pd.Series = rows.loc[rows["answerable"], "gap"]
     return answerable.fillna(np.inf).clip(lower=0)
 
 
 def upper_quantile(values: ArrayLike, q: float) -> float:
-    """The smallest value that a share `q` of all values does not exceed; NaN is left out.
+    """A quantile without interpolation.
 
-    There is no interpolation, since interpolation towards an infinite gap gives infinity
-    (definition 1 of Hyndman and Fan 1996, "Sample quantiles in statistical packages").
+    The smallest value that a share `q` of all values does not exceed; NaN is left out. There is no
+    interpolation, since interpolation towards an infinite gap gives infinity (definition 1 of
+    Hyndman and Fan 1996, "Sample quantiles in statistical packages").
     """
-    given = np.asarray(values, dtype=np.float64).ravel()
-    ordered = np.sort(given[~np.isnan(given)])
+    numbers = np.asarray(values, dtype=np.float64).ravel()
+    ordered = np.sort(numbers[~np.isnan(numbers)])
     if not ordered.size:
         return float("nan")
     # 1e-9 compensates the rounding of q * n.
@@ -83,22 +97,25 @@ def upper_quantile(values: ArrayLike, q: float) -> float:
 
 
 def circle_radius(x: float, y: float, heading: float, target_x: float, target_y: float) -> float:
-    """The radius at which a turning circle passes through the target: r^2 / (2 |Y|).
+    """The radius whose turning circle passes the target.
 
-    Y is the target's distance to the left of the start heading, not normalised. Infinite for a
-    target straight ahead or behind.
+    r^2 / (2 |Y|). Y is the target's distance to the left of the start heading, not normalised.
+    Infinite for a target straight ahead or behind.
     """
-    dx, dy = target_x - x, target_y - y
+    dx = target_x - x
+    dy = target_y - y
     side = abs(dy * np.cos(heading) - dx * np.sin(heading))
     return float((dx * dx + dy * dy) / (2 * side)) if side > 0 else float("inf")
 
 
 def fitted_order(n: ArrayLike, gap: ArrayLike, floor: float = 1e-13) -> float:
-    """The order p of gap ~ n^-p by least squares on logarithms; NaN if there are not two n.
+    """The fitted order p of gap ~ n^-p.
 
-    Both have shape (m,), n counts steps. Gaps up to `floor` are left out: rounding dominates them.
+    The fit is by least squares on logarithms; NaN if there are not two n. Both have shape (m,), n
+    counts steps. Gaps up to `floor` are left out: rounding dominates them.
     """
-    steps, gaps = np.asarray(n, dtype=np.float64), np.asarray(gap, dtype=np.float64)
+    steps = np.asarray(n, dtype=np.float64)
+    gaps = np.asarray(gap, dtype=np.float64)
     keep = np.isfinite(gaps) & (gaps > floor)
     if np.unique(steps[keep]).size < 2:
         return float("nan")

@@ -1,1 +1,4 @@
-"""One module a topic: its numbers, its figures and its section of the page."""
+"""One module per topic.
+
+Each has the numbers, the figures and the section of its topic.
+"""

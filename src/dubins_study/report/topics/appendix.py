@@ -1,4 +1,7 @@
-"""What numbers rest on: solvers, their settings, runs, machines; limits, the data dictionary."""
+"""The solvers, the runs, and the limits.
+
+The data dictionary has the meaning of every column of the rows.
+"""
 
 from __future__ import annotations
 
@@ -31,24 +34,24 @@ def solvers_section(results: Results) -> Section | None:
     if names.empty:
         return None
     frame = names.reset_index(names="solver")
-    given = [parse_spec(spec)[1] for spec in frame["solver"]]
-    known = [results.settings.get(spec, {}) for spec in frame["solver"]]
-    frame["given"] = [_listed(each) for each in given]
+    stated = [parse_spec(spec)[1] for spec in frame["solver"]]
+    every_setting = [results.settings.get(spec, {}) for spec in frame["solver"]]
+    frame["given"] = [_listed(each) for each in stated]
     frame["defaults"] = [
         _listed({key: value for key, value in every.items() if key not in each})
-        for every, each in zip(known, given, strict=True)
+        for every, each in zip(every_setting, stated, strict=True)
     ]
     caption = (
         "Short names and specs. A spec names the settings that are not the default; the solver's "
-        "manifest has the others. Its hash and the versions of its packages stand under Provenance."
+        "manifest has the others. Provenance has its hash and the versions of its packages."
     )
     numbers = ("formulation", "engine", "guess")
     return Section(
         "solvers",
         "Solvers and their settings",
-        f"{some(len(frame), 'solver')}: a short name says the engine, the formulation, the initial "
-        "guess if it is not the usual one, and the settings by which solvers of the page differ. "
-        "It is the same in all figures and tables, whose CSV files hold the spec.",
+        f"{some(len(frame), 'solver')}. A short name has the engine and the formulation. It has "
+        "the initial guess if that is unusual, and the settings by which solvers of the page "
+        "differ. All figures and tables use the same names; their CSV files have the spec.",
         (Table("solvers", caption, frame, _SOLVERS, numbers=numbers),),
         lead="Look up here what a short name stands for, and copy the spec into a command.",
     )
@@ -65,23 +68,25 @@ def runs(folders: Iterable[Folder]) -> pd.DataFrame:
     The load is that of the last minute, at the run's start and its end; spread is a share. Unknown
     seconds or spread are NaN.
     """
-    return pd.DataFrame(
-        {
-            "experiment": folder.name,
-            "run": run.run_id,
-            "started": run.started,
+    lines: list[dict[str, Any]] = []
+    for folder in folders:
+        for run in folder.manifest.runs:
             # The entry of a killed run stays `running`; its seconds say nothing of its end.
-            "seconds": math.nan if run.seconds is None or run.state == "running" else run.seconds,
-            "state": "running, or killed" if run.state == "running" else run.state,
-            "executor": run.executor,
-            "jobs": str(run.jobs),
-            "where": f"{_machine(run.machine)}; governor {run.governor}",
-            "load": f"{_load(run.load_start)} to {_load(run.load_end)}",
-            "spread": math.nan if run.spread is None else run.spread,
-        }
-        for folder in folders
-        for run in folder.manifest.runs
-    )
+            runs_on = run.state == "running"
+            line = {
+                "experiment": folder.name,
+                "run": run.run_id,
+                "started": run.started,
+                "seconds": math.nan if run.seconds is None or runs_on else run.seconds,
+                "state": "running, or killed" if runs_on else run.state,
+                "executor": run.executor,
+                "jobs": str(run.jobs),
+                "where": f"{_machine(run.machine)}; governor {run.governor}",
+                "load": f"{_load(run.load_start)} to {_load(run.load_end)}",
+                "spread": math.nan if run.spread is None else run.spread,
+            }
+            lines.append(line)
+    return pd.DataFrame(lines)
 
 
 def _machine(machine: Mapping[str, Any]) -> str:
@@ -102,10 +107,9 @@ def runs_section(results: Results) -> Section | None:
     if frame.empty:
         return None
     text = (
-        "While a run goes on, a small fixed piece of work is timed in its worker processes every "
-        "couple of seconds. How much that varied, from its 5th to its 95th percentile over the "
-        "median, bounds what differences in time mean: those that are smaller say nothing. A dash: "
-        "the run was too short to tell."
+        "During a run its worker processes time a small fixed piece of work every couple of "
+        "seconds. Varied by: from the 5th to the 95th percentile of these times, over the median. "
+        "Smaller differences in time mean nothing. A dash: the run was too short to tell."
     )
     shown = (
         *columns(kind="code", experiment="experiment", run="run"),
@@ -118,12 +122,12 @@ def runs_section(results: Results) -> Section | None:
         *columns(kind="prose", where="machine"),
     )
     caption = (
-        "Every run that wrote into these folders. Load is how many processes wanted a core in the "
-        "last minute, at the start and at the end; the governor sets the cores' clock; varied by "
-        f"more than {share(NOISY)} is marked."
+        "Every run that wrote into these folders. Load: processes that wanted a core in the last "
+        "minute, at the start and at the end. The governor sets the cores' clock. Varied by more "
+        f"than {share(NOISY)} is marked."
     )
     table = Table("runs", caption, frame, shown, marks(frame[["spread"]] > NOISY, "spread"))
-    lead = "Look here, before you quote a time, whether the machine that took it was steady."
+    lead = "Check here that a machine was steady before you quote its times."
     return Section("runs", "The runs and their machines", text, (table,), lead)
 
 
@@ -132,45 +136,43 @@ def _minute(started: str) -> str:
     return started[:16].replace("T", " ")
 
 
-# (what the numbers are of, what they therefore do not say)
+# (the subject of the numbers, and the limit that follows from it)
 _LIMITS = (
     (
-        "One problem: to a point, perhaps through others in a given order, with any or a given "
-        "heading at the end; forward, at constant speed and known radius, no obstacles, no wind.",
+        "One problem: to a point, perhaps through others, with any or a given heading at the end. "
+        "Forward, at constant speed and known radius, without obstacles and wind.",
         "How formulations and engines do on other problems.",
     ),
     (
-        "Scenarios that were drawn to cover cases, the awkward ones on purpose; each counts once.",
-        "How often a method is right in a use, where easy targets may be the rule.",
+        "Scenarios chosen to cover all cases, also the difficult ones; each counts once.",
+        "How often a method is right in practice, where easy targets may be the rule.",
     ),
     (
         "Engines as Python calls them, at the settings that the solvers' table names.",
-        "How fast an engine is from another language, or how good with settings tuned to the task.",
+        "How fast an engine is from another language, or how good it is with tuned settings.",
     ),
     (
-        "One machine kind a run, one thread for an engine, versions as under provenance.",
-        "Times on other machines; with other versions verdicts may change too.",
+        "One kind of machine per run, one thread per engine, versions as under Provenance.",
+        "Times on other machines. With other versions verdicts may change too.",
     ),
     (
         "Verdicts against the closed form, and for routes a search, which this package derives.",
-        "That the closed form is right: the package's tests compare it with searches that know "
-        "nothing of it, and the certificates prove answers from their controls alone.",
+        "That the closed form is right. The package's tests compare it with independent "
+        "searches, and the certificates prove answers from their controls alone.",
     ),
 )
 
 
 def limits_section(_: Results | None) -> Section:
-    """What the numbers do not say; the meaning of every column of the rows."""
-    lead = (
-        "Read on the left what the numbers of this page are of, on the right what they leave open."
-    )
+    """The limits of the numbers, and the data dictionary."""
+    lead = "On the left: what the numbers of this page measure. On the right: what they do not say."
     text = (
         "Below is the data dictionary: every column of the rows in a results folder's Parquet "
         f"files, schema {VERSION}."
     )
     frame = pd.DataFrame(_LIMITS, columns=["numbers", "unknown"])
     sides = columns(kind="prose", numbers="the numbers are of", unknown="they do not say")
-    limits = Table("limits", "What holds for the whole page.", frame, sides, stacked=True)
+    limits = Table("limits", "Limits of the whole page.", frame, sides, stacked=True)
     shown = (
         *columns(kind="code", name="column"),
         *columns(kind="text", type="type", unit="unit"),

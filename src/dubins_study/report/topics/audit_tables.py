@@ -1,4 +1,7 @@
-"""Audits of what is printed: the paper's cells, paths, algorithm, statements; published routes."""
+"""Audits of printed numbers.
+
+The paper's cells, paths, algorithm and statements; published lengths of routes.
+"""
 
 from __future__ import annotations
 
@@ -55,59 +58,61 @@ _STATEMENTS = (
 
 
 def audit_section(results: Results) -> Section | None:
-    """The findings of the committed audit; shown only with the paper's own experiment."""
+    """The findings of the committed audit.
+
+    Shown only with the paper's own experiment.
+    """
     if results.rows.empty:
         return None
     audit = committed()
     verdicts = Counter(cell["verdict"] for cell in misprints(audit))
+    causes = ", ".join(f"{number} {verdict}" for verdict, number in verdicts.items())
     text = (
-        "Every printed number recomputed from the exact headings in interval arithmetic; "
-        "dubins-study audit does it again, and with --json shows 40 digits of each. Of the cells "
-        "that are not correct roundings, by a rule that looks for the accident behind them: "
-        f"{', '.join(f'{number} {verdict}' for verdict, number in verdicts.items())}. The bias is "
-        "no more than a guess: where it prints these cells, it would print the missing turn as "
-        "0.01, not 0."
+        "Every printed number is recomputed from the exact headings in interval arithmetic. "
+        "dubins-study audit repeats this, and with --json shows 40 digits of each number. The "
+        f"wrong cells by their likely cause: {causes}. The bias is only a guess: it would print "
+        "the missing turn as 0.01, not 0."
     )
     lead = (
-        "Read each line as one claim of the paper and what exact arithmetic makes of it: which "
-        "numbers are wrong, by how much, and by what accident."
+        "Each line is one claim of the paper, checked in exact arithmetic. See which numbers are "
+        "wrong, by how much, and why."
     )
     return Section("audit", "The audit of the paper", text, audit_tables(audit), lead)
 
 
 def audit_tables(audit: dict[str, Any]) -> tuple[Table, ...]:
-    """What an audit finds: a table for each kind of claim."""
+    """Tables of an audit, one per kind of claim."""
     cells = pd.DataFrame(misprints(audit)).replace({"quantity": _SYMBOLS})
     paths = pd.DataFrame(audit["paths"])
     beyond = pd.DataFrame({"miss": paths["miss"] > paths["rounding_allows"]})
     return (
         Table(
             "audit-cells",
-            "The cells that are not correct roundings. Double rounding: first to more decimals. "
-            "Solver bias: model (4.12) at Ipopt's last barrier parameter, where the missing turn "
-            "is not quite zero. Wrong: neither, nor cut off. Lengths.",
+            "The cells that are no correct roundings, all lengths. Double rounding: first to more "
+            "decimals. Solver bias: model (4.12) at Ipopt's last barrier parameter, where "
+            "the missing turn is not quite zero. Wrong: neither of these, nor truncated.",
             cells,
             _CELLS,
         ),
         Table(
             "audit-paths",
-            "The printed segments driven from the start: how far from the target they end, and "
-            f"how far correct roundings may; {beyond['miss'].sum()} end farther away. Lengths.",
+            "The printed segments, driven from the start: how far from the target they end, and "
+            f"how far correct roundings may end. {beyond['miss'].sum()} end farther away.",
             paths,
             _PATHS,
             marks(beyond, "miss"),
         ),
         Table(
             "audit-algorithm",
-            "Algorithm 1 just beyond R*, at which the turning circle has reached the target: the "
-            "optimum turns away first (RL or LR); the algorithm knows LS and RS alone, the unsplit "
-            "model (4.12) LR too. Lengths.",
+            "Algorithm 1 just beyond R*, where the target is inside a turning circle. The "
+            "shortest path turns away first (RL or LR). The algorithm knows LS and RS only; the "
+            "unsplit model (4.12) also knows LR. Lengths.",
             pd.DataFrame(audit["algorithm"]),
             _ALGORITHM,
         ),
         Table(
             "audit-statements",
-            "Statements of the paper that its own scenarios decide.",
+            "Statements of the paper, checked on its own scenarios.",
             pd.DataFrame(audit["statements"]),
             _STATEMENTS,
         ),
@@ -132,9 +137,12 @@ _PRINTED = (
 
 
 def routes_table(frame: pd.DataFrame) -> Table:
-    """Published lengths of routes beside ours, as `audit_routes` and `printed_routes` have them."""
+    """Table of published lengths of routes beside ours.
+
+    The frame is that of `audit_routes` or `printed_routes`.
+    """
     caption = (
-        "Lengths as printed; ours is that of the best path found, driven by the check. At least "
+        "Lengths as printed. Ours: the best path of any solver, driven by the check. At least "
         "and at most: the proven interval around the shortest length."
     )
     wrong = pd.DataFrame({"verdict": frame["verdict"] != SHORTEST})
@@ -142,13 +150,14 @@ def routes_table(frame: pd.DataFrame) -> Table:
 
 
 def printed_routes(rows: pd.DataFrame) -> pd.DataFrame:
-    """The published lengths of routes beside the shortest path that some solver found.
+    """Published lengths of routes beside the shortest paths.
 
-    One row for each length whose route has a path, with the columns `_PRINTED`.
+    The shortest paths are those that some solver returned. One row for each length whose route has
+    a path, with the columns `_PRINTED`.
     """
-    found = rows[rows["gap"].notna()].sort_values("length", kind="stable")
+    arrived = rows[rows["gap"].notna()].sort_values("length", kind="stable")
     names = {"reference_low": "low", "reference_high": "high"}
-    best = found.drop_duplicates("label").rename(columns=names)
+    best = arrived.drop_duplicates("label").rename(columns=names)
     paths = best[["label", "legs", "length", "low", "high"]]
     lines = pd.DataFrame(PRINTED_ROUTES)[["label", "source", "printed"]].merge(paths, on="label")
     findings = [
@@ -170,7 +179,7 @@ def printed_section(results: Results) -> Section | None:
         f"shortest, to the last digit that the proof decides. The others: {others or 'none'}. "
         "dubins-study audit kaya searches for the shortest paths again."
     )
-    lead = "See which published lengths of four routes are the shortest, by proof."
+    lead = "See which published lengths of four routes are proved to be the shortest."
     return Section("routes-printed", "Published routes", text, (routes_table(frame),), lead)
 
 

@@ -1,8 +1,8 @@
-"""The minima that local solvers reach on the joint model from given initial guesses.
+"""Minima that local solvers reach from given guesses.
 
-The local minima of the paper's model (4.12) are known: RS, LS and LR, each with any number of full
-turns added (docs/derivation.md, section 7). The length of an answer therefore identifies its
-minimum.
+The problem is the joint model. The local minima of the paper's model (4.12) are known: RS, LS and
+LR, each with any number of full turns added (docs/derivation.md, section 7). The length of an
+answer therefore identifies its minimum.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ MARKS = (
     Mark(GIVES_UP, colour="#5d636b"),
 )
 
-# Claim that the check refutes -> what it says.
+# Refuted claim -> its content in words.
 REFUTED = {
     INFEASIBLE: "that no path exists where one does",
     FALSE_MINIMUM: "that a point is a minimum, though no minimum has its length",
@@ -60,9 +60,10 @@ _MOST_LETTERS = 20  # of a solver's name above its map
 
 
 def minimum(scenario: Scenario, length: float) -> tuple[str, int] | None:
-    """The local minimum of the joint model that has this length: word and full turns, or None.
+    """The local minimum with this length, or None.
 
-    Lengths count as equal within the check's gap tolerance times the shortest length.
+    A minimum of the joint model: its word and its full turns. Lengths count as equal within the
+    check's gap tolerance times the shortest length.
     """
     best = shortest(scenario)
     if best is None:
@@ -80,7 +81,7 @@ def minimum(scenario: Scenario, length: float) -> tuple[str, int] | None:
 
 
 def end_of(row: Mapping[Hashable, Any]) -> tuple[str, float]:
-    """How one attempt ended, and the number of needless full turns in its path.
+    """One attempt's end, and its needless full turns.
 
     The number is NaN if the end is not a minimum. A shortest path that arrives counts as the
     optimum, with any claim. Columns: the scenario, reference_word, claim, verdict, false_claim,
@@ -103,26 +104,32 @@ def end_of(row: Mapping[Hashable, Any]) -> tuple[str, float]:
 
 
 def ends(rows: pd.DataFrame) -> pd.DataFrame:
-    """The attempts that start from given lengths, with these lengths and the attempt's end.
+    """Attempts from given guesses, with their ends.
 
     Adds the columns z1, z2, z3 (lengths of the guess in radii; for the turns z1 and z2 this is
     rad), end, turns (needless full turns; NaN if the end is not a minimum).
     """
     guessed = rows[~rows["initial_guess"].isin(["cold", "warm"])]
     points = guessed["initial_guess"].str.split(expand=True).reindex(columns=range(3))
-    found = [end_of(row) for row in guessed.to_dict("records")]
-    end = pd.DataFrame(found, guessed.index, ["end", "turns"])
+    attempt_ends = [end_of(row) for row in guessed.to_dict("records")]
+    end = pd.DataFrame(attempt_ends, guessed.index, ["end", "turns"])
     lengths = points.astype(float).set_axis(["z1", "z2", "z3"], axis="columns")
     return guessed.join(lengths).join(end.astype({"turns": float}))
 
 
 def is_capped(solver: str) -> bool:
-    """Whether a spec bounds each turn by a full turn, which is the default."""
+    """Whether a spec bounds each turn.
+
+    The bound is a full turn; it is the default.
+    """
     return parse_spec(solver)[1].get("capped", "True").lower() == "true"
 
 
-def told(table: pd.DataFrame) -> dict[str, float]:
-    """How often the optimum is reached, full turns are needless, and claims are refuted."""
+def outcomes_of(table: pd.DataFrame) -> dict[str, float]:
+    """Shares of optima and needless turns; refuted claims.
+
+    The refuted claims are a number, not a share.
+    """
     return {
         "optimal": (table["end"] == OPTIMUM).mean(),
         "turned": (table["turns"] > 0).mean(),
@@ -131,18 +138,18 @@ def told(table: pd.DataFrame) -> dict[str, float]:
 
 
 def capping(table: pd.DataFrame) -> dict[bool, dict[str, float]]:
-    """What is told without (False) and with a bound on turns, of the solvers that ran with both.
+    """The outcomes without (False) and with capped turns.
 
-    Empty if there is no such solver.
+    Only solvers that ran with both count. Empty if there is no such solver.
     """
     capped = table["solver"].map(is_capped)
     names = table["solver"].map(lambda spec: parse_spec(spec)[0])
     both = table[capped.groupby(names).transform("nunique") == 2]
-    return {bounded: told(rows) for bounded, rows in both.groupby(capped)}
+    return {bounded: outcomes_of(rows) for bounded, rows in both.groupby(capped)}
 
 
 def basins_section(results: Results) -> Section | None:
-    """A map per scenario and solver, and sentences about them.
+    """Maps per scenario and solver, and sentences.
 
     If solvers with unbounded turns were run, maps and sentences show only these, since that is the
     paper's model.
@@ -155,64 +162,75 @@ def basins_section(results: Results) -> Section | None:
     names = _names(results, table["solver"].unique().tolist())
     straights = " and ".join(f"{z3:g}" for z3 in sorted(table["z3"].unique()))
     text = sentences(
-        "Each solver is given the paper's model unsplit, L(z₁) R(z₂) S(z₃) with turns of any "
-        "length, and one initial guess from a grid over z₁ and z₂; z₃ is "
+        "Each solver gets the paper's unsplit model, L(z₁) R(z₂) S(z₃), with turns of any length. "
+        "The initial guesses are a grid over z₁ and z₂; z₃ is "
         f"{straights} radii. Every local minimum of this model is LS, RS or LR with a number of "
-        "full turns added, so an end is known by its length.",
-        _found(mapped),
+        "full turns added, so its length identifies it.",
+        _outcomes(mapped),
         _cap(capping(table)),
     )
     lead = (
-        "Every point of a map is an initial guess, its colour the path that a solver reaches from "
-        "there: only the palest colour is the shortest path."
+        "Every point of a map is an initial guess. Its colour is the path that a solver reaches "
+        "from there; the palest colour is the shortest path."
     )
     blocks = tuple(_pictures(mapped, names))
     return Section("basins", "Where initial guesses lead", text, blocks, lead)
 
 
 def _names(results: Results, solvers: list[str]) -> dict[str, str]:
-    """Solver -> its engine, which is enough of a name if only bounds on turns differ besides."""
+    """Map each solver to its name in the figures.
+
+    The engine's name is enough if only the bound on turns differs besides.
+    """
     methods = names_of(results).loc[solvers]
-    told_apart = methods.assign(capped=[is_capped(solver) for solver in solvers])
-    shared = told_apart.duplicated(["engine", "capped"], keep=False)
+    with_bound = methods.assign(capped=[is_capped(solver) for solver in solvers])
+    shared = with_bound.duplicated(["engine", "capped"], keep=False)
     names = methods["engine"].where(~shared, methods["label"])
     return {str(solver): str(name) for solver, name in names.items()}
 
 
-def _found(table: pd.DataFrame) -> str:
-    """How often the optimum is reached, and what the check refutes, over all solvers."""
-    found = told(table)
+def _outcomes(table: pd.DataFrame) -> str:
+    """Shares of optima, and the refuted statements.
+
+    The numbers are over all solvers.
+    """
+    outcomes = outcomes_of(table)
     most = table["turns"].fillna(0).max()
-    refuted = "No solver said anything that the check refutes."
-    if found["refuted"]:
+    refuted = "The check refutes no statement of a solver."
+    if outcomes["refuted"]:
         numbers = table["end"].value_counts()
         parts = [f"{count(numbers[end])} times {REFUTED[end]}" for end in REFUTED if end in numbers]
-        refuted = f"{count(found['refuted'])} statements are refuted: {'; '.join(parts)}."
+        refuted = f"{count(outcomes['refuted'])} statements are refuted: {'; '.join(parts)}."
     return sentences(
-        f"The shortest path is found from {share(found['optimal'])} of the initial guesses; "
-        f"{share(found['turned'])} of all attempts end in a minimum with full turns in it, with up "
-        f"to {count(most)} of them: nothing in the model says that these are useless.",
+        f"The shortest path is found from {share(outcomes['optimal'])} of the initial guesses; "
+        f"{share(outcomes['turned'])} of all attempts end in a minimum with needless full turns, "
+        f"up to {count(most)} of them. Nothing in the model forbids these.",
         refuted,
     )
 
 
 def _cap(change: Mapping[bool, dict[str, float]]) -> str:
-    """What a bound on turns changes; empty if no solver ran with it and without it."""
+    """The effect of a bound on turns.
+
+    Empty if no solver ran with it and without it.
+    """
     if not change:
         return ""
     free = change[False]
     bounded = change[True]
     return (
-        "From the same initial guesses, but with every turn bounded by a full one, the share that "
-        f"ends with full turns is {share(bounded['turned'])} instead of {share(free['turned'])}, "
-        f"that of the shortest path {share(bounded['optimal'])} instead of "
-        f"{share(free['optimal'])}, and the refuted statements number "
-        f"{count(bounded['refuted'])} instead of {count(free['refuted'])}."
+        "From the same guesses, with every turn bounded by a full turn, "
+        f"{share(bounded['turned'])} end with full turns instead of {share(free['turned'])}, and "
+        f"{share(bounded['optimal'])} find the shortest path instead of {share(free['optimal'])}. "
+        f"{count(bounded['refuted'])} statements are refuted instead of {count(free['refuted'])}."
     )
 
 
 def _pictures(table: pd.DataFrame, names: Mapping[str, str]) -> list[Picture]:
-    """Each scenario's maps, a map per solver and at most `_ACROSS` side by side."""
+    """Each scenario's maps, one per solver.
+
+    At most `_ACROSS` maps stand side by side.
+    """
     order = solver_order(table["solver"].tolist())
     place = table["solver"].map(order.index)
     placed = table.assign(x=table["z1"], y=table["z2"], kind=table["end"], place=place)
@@ -227,7 +245,7 @@ def _pictures(table: pd.DataFrame, names: Mapping[str, str]) -> list[Picture]:
             panels_picture(
                 slug(f"basins-{number}-{label}"),
                 f"{label[:1].upper()}{label[1:]}: where each of {count(len(rows) / len(panels))} "
-                "initial guesses leads, a map per solver. White cells with a mark are statements "
+                "initial guesses leads, one map per solver. White cells with a mark: statements "
                 "that the check refutes.",
                 kind_maps,
                 f"Maps of initial guesses by end, {label}",
@@ -241,7 +259,10 @@ def _pictures(table: pd.DataFrame, names: Mapping[str, str]) -> list[Picture]:
 
 
 def _dress(ax: Axes, _: pd.DataFrame) -> None:
-    """The two turns of a guess, in quarters of a full one."""
+    """Label the axes in quarters of a turn.
+
+    The axes are the two turns of a guess.
+    """
     ticks = np.arange(5) * np.pi / 2
     ax.set_xticks(ticks, _QUARTER_TURNS)
     ax.set_yticks(ticks, _QUARTER_TURNS)

@@ -1,4 +1,4 @@
-"""Whom one can believe: what engines claim against what is so, and which proofs are false."""
+"""What engines claim, and which claims are false."""
 
 from __future__ import annotations
 
@@ -29,12 +29,12 @@ from dubins_study.report.topics.failures import plainest
 from dubins_study.study.scenario_frame import solve_command
 from dubins_study.study.words import Claim, Outcome
 
-# What a claim is worth, the check being right: it says no more than what is so; it says less than
-# the answer allows (no claim of a path that arrives, or of an optimal one only that it is
-# feasible); it says nothing and there is nothing; it, or its bound, says more than what is so. A
-# bound that is too high by no more than the engine's tolerance explains has a name of its own. So
-# has a local engine's word that it found no path near its last point, where one exists: it is no
-# claim about the question.
+# The worth of a claim, compared with the check's verdict. True: it says no more than the verdict.
+# True to its tolerance: its bound is too high by no more than the engine's tolerance explains.
+# Less than known: no claim of a path that arrives, or of an optimal path only that it is feasible.
+# Says nothing: no claim, and no path that arrives. Denial: a local engine found no path near its
+# last point where a path exists, which is no claim about the question. False: the claim, or its
+# bound, says more than the verdict.
 TRUTHS = ("true", "true to its tolerance", "less than known", "says nothing", "denial", "false")
 TRUE, TOLERATED, LESS, NOTHING, DENIAL, FALSE = TRUTHS
 # Two equations that are each off by the tolerance move the length by a small multiple of it.
@@ -64,14 +64,16 @@ PROOFS = tuple(_SHORT)
 
 @once
 def claims(compared: Compared) -> pd.DataFrame:
-    """The attempts whose claim is an engine's, none of the presolve, and what each claim is worth.
+    """Engines' attempts with the worth of each claim.
 
-    `truth` is one of `TRUTHS`; a local optimum of another word is no false claim of a local solver.
-    `proof` is the kind of a false claim, one of `PROOFS`; missing if the claim is true. `excess` is
-    by how much its bound is too high, relative to the shortest length, or to a larger radius.
+    Attempts that the presolve answered are left out. `truth` is one of `TRUTHS`; a local optimum of
+    another word is no false claim of a local solver. `proof` is the kind of a false claim, one of
+    `PROOFS`; missing if the claim is true. `excess` is by how much its bound is too high, relative
+    to the shortest length, or to a larger radius.
     """
     rows = compared.rows[~compared.rows["presolved"]]
-    claim, verdict = rows["claim"].fillna("none"), rows["verdict"].fillna("none")
+    claim = rows["claim"].fillna("none")
+    verdict = rows["verdict"].fillna("none")
     high = is_true(rows["false_bound"])
     scale = np.maximum(rows["reference_high"], rows["radius"])
     above: pd.Series[float] = (rows["lower_bound"] - rows["reference_high"]) / scale
@@ -94,9 +96,10 @@ def claims(compared: Compared) -> pd.DataFrame:
 
 
 def beliefs(rows: pd.DataFrame) -> pd.DataFrame:
-    """By solver: questions, and the share of each of `TRUTHS` among its `claims`.
+    """Shares of `TRUTHS` among a solver's `claims`.
 
-    A share is the mean over questions of the share of its repeats.
+    One row per solver, with its number of questions. A share is the mean over questions of the
+    share of its repeats.
     """
     worths = pd.get_dummies(rows["truth"]).reindex(columns=list(TRUTHS), fill_value=False)
     by_question = worths.groupby([rows["solver"], rows["question"]]).mean()
@@ -105,18 +108,19 @@ def beliefs(rows: pd.DataFrame) -> pd.DataFrame:
 
 
 def false_proofs(rows: pd.DataFrame) -> pd.DataFrame:
-    """The false ones of `claims` by solver and kind, each with its plainest example.
+    """False claims by solver and kind, with examples.
 
-    In the order of `PROOFS`: solver, proof, attempts, questions, most (the largest excess of a
-    bound); of the example its scenario, lengths, tolerance and command.
+    Each kind has its plainest example. In the order of `PROOFS`: solver, proof, attempts,
+    questions, most (the largest excess of a bound); of the example its scenario, lengths, tolerance
+    and command.
     """
     false = rows[rows["proof"].notna()]
     order = plainest(false, ["solver", "proof"])
     order = order.sort_values("proof", key=lambda proof: proof.map(PROOFS.index), kind="stable")
     groups = false.groupby(["solver", "proof"])
-    kept = [*SCENARIO, *(name for name in ROUTE if name in order), "branch", "profile"]
-    kept += ["lower_bound", "length", "reference_high", "tolerance"]
-    frame = order[["solver", "proof", *kept]]
+    shown = [*SCENARIO, *(name for name in ROUTE if name in order), "branch", "profile"]
+    shown += ["lower_bound", "length", "reference_high", "tolerance"]
+    frame = order[["solver", "proof", *shown]]
     counts = groups.agg(attempts=("question", "size"), questions=("question", "nunique"))
     counts["most"] = groups["excess"].max()
     frame = frame.join(counts, on=["solver", "proof"])
@@ -155,15 +159,18 @@ def belief_section(results: Results) -> Section | None:
         _liars(rows, table),
     )
     lead = (
-        "Red, and counted beside the bar: answers that claim more than is true. Brown: local "
-        "engines that found no path near their last point, though there is one."
+        "Red, and counted beside the bar: answers that claim more than is true. Brown: a local "
+        "engine reports that no path is near its last point, though a path exists."
     )
     return Section("belief", "Whom one can believe", text, tuple(blocks), lead)
 
 
 def _liars(rows: pd.DataFrame, table: pd.DataFrame) -> str:
-    """How many false claims there are, by kind; how many denials, and claims of an optimum."""
-    made = int((rows["outcome"] != Outcome.NOT_ASKED).sum())
+    """Numbers of false claims and of denials.
+
+    False claims by kind; also how many claims of an optimum are false.
+    """
+    attempts_made = int((rows["outcome"] != Outcome.NOT_ASKED).sum())
     false = rows.loc[rows["truth"] == FALSE, "proof"]
     claimed = some(len(false), "false claim")
     kinds = [f"{count(n)} {_SHORT[str(kind)]}" for kind, n in false.value_counts().items()]
@@ -172,35 +179,39 @@ def _liars(rows: pd.DataFrame, table: pd.DataFrame) -> str:
     denials = int((rows["truth"] == DENIAL).sum())
     optima = rows[rows["claim"] == Claim.OPTIMAL]
     wrong = int((is_true(optima["false_claim"]) & optima["verdict"].eq("longer")).sum())
-    attempts = f"{some(made, 'attempt')} at legs and routes"
-    liars = f"In {attempts} {number} of {count(len(table))} made {claimed}{listed}."
-    return sentences(
-        liars if len(false) else f"No method makes a false claim in {attempts}.",
-        f"{some(denials, 'denial')} more are local engines' words of their last point."
-        if denials
-        else "",
-        f"Of {some(len(optima), 'claim')} that a path is optimal {count(wrong)} are false."
-        if len(optima)
-        else "",
-    )
+    attempts = f"{some(attempts_made, 'attempt')} at legs and routes"
+    liars = f"No method makes a false claim in {attempts}."
+    if len(false):
+        liars = f"In {attempts} {number} of {count(len(table))} made {claimed}{listed}."
+    parts = [liars]
+    if denials:
+        parts.append(f"{some(denials, 'denial')} more concern only a local engine's last point.")
+    if len(optima):
+        claims_of_optima = some(len(optima), "claim")
+        parts.append(f"Of {claims_of_optima} that a path is optimal {count(wrong)} are false.")
+    return sentences(*parts)
 
 
 def _picture(table: pd.DataFrame) -> Picture:
-    mine = own(table.index)  # beside what is shown without them
-    engines = table[~table.index.isin([EXACT, *mine])].sort_values([FALSE, DENIAL], ascending=False)
+    plugins = own(table.index)  # shown besides the chosen methods
+    engines = table[~table.index.isin([EXACT, *plugins])].sort_values(
+        [FALSE, DENIAL], ascending=False
+    )
     shown = (engines if len(engines) else table).groupby("formulation", sort=False).head(_MOST_BARS)
     left_out = len(engines) - len(shown)
-    shown = table[table.index.isin([*mine, *shown.index])]
-    rest = (
-        f" Of each formulation the {_MOST_BARS} with most of these; {count(left_out)} are left out."
-        if left_out > 0
-        else ""
-    )
+    shown = table[table.index.isin([*plugins, *shown.index])]
+    rest = ""
+    if left_out > 0:
+        rest = (
+            f" A formulation has at most {_MOST_BARS} methods, those with most of these; "
+            f"{count(left_out)} are left out."
+        )
     few = shown["questions"] < FEW * shown["askable"]
     star = " A dagger: asked a sample only." if few.any() else ""
     caption = (
-        "What the claims are worth, as shares of the questions, those without a path included. "
-        f"The number counts false claims.{rest}{star} A narrow screen shows those alone."
+        "Worth of the claims, as shares of the questions, those without a path included. "
+        f"The number counts false claims.{rest}{star} A narrow screen shows only methods with "
+        "false claims."
     )
     alt = "Stacked bars of true, weak, silent and false claims, by formulation"
     numbers = zip(shown["attempts"], few, strict=True)
@@ -209,10 +220,13 @@ def _picture(table: pd.DataFrame) -> Picture:
 
 
 def _bars(shown: pd.DataFrame, *, narrow: bool) -> Figure:
-    """Bars of all methods; of a `narrow` figure those with false claims, and plug-ins'."""
+    """Bars of the methods' claims.
+
+    A `narrow` figure has only methods with false claims, and plug-ins'.
+    """
     false = (shown["attempts"] > 0) | shown.index.isin(own(shown.index))
-    drawn = shown[false] if narrow and false.any() else shown
-    return stacked_shares(drawn, MARKS, "share of questions", narrow=narrow)
+    bars = shown[false] if narrow and false.any() else shown
+    return stacked_shares(bars, MARKS, "share of questions", narrow=narrow)
 
 
 def _proof_table(false: pd.DataFrame, names: pd.DataFrame) -> Table:
@@ -229,15 +243,18 @@ def _proof_table(false: pd.DataFrame, names: pd.DataFrame) -> Table:
         *columns(kind="command", command="ask again"),
     )
     caption = (
-        "False claims by name, each with the example of the nearest target; the command repeats "
-        "it. A bound too high by its tolerance: by at most ten times the feasibility that was "
-        "asked for, which counts as true to its tolerance. Lengths in the scenario's unit."
+        "Kinds of false claims, each with the example of the nearest target; the command repeats "
+        "it. A bound too high by its tolerance, at most ten times the feasibility asked for, "
+        "counts as true to its tolerance. Lengths in the scenario's unit."
     )
     return Table("belief-false", caption, frame, shown, dense=True)
 
 
 def proof_section(results: Results) -> Section | None:
-    """The same of engines with a proof, asked with models and settings that are known to fail."""
+    """The section on engines that prove.
+
+    They are asked with models and settings that are known to fail.
+    """
     section = belief_section(results)
     if section is None:
         return None
@@ -245,7 +262,7 @@ def proof_section(results: Results) -> Section | None:
         section,
         key="claims-of-proof",
         title="Claims of proof where they are known to fail",
-        lead="Examples, no rate: models, settings and targets at which a proof is known to fail.",
+        lead="Examples of models, settings and targets at which a proof is known to fail; no rate.",
         blocks=tuple(replace(block, name=f"{block.name}-of-proof") for block in section.blocks),
     )
 

@@ -1,9 +1,9 @@
-"""The turn that remains in a solver's path though the shortest path has no such turn.
+"""The right turn that an interior-point solver leaves.
 
-In the paper's model (4.12) LS is a degenerate minimum: along the feasible curve the length grows
-like z2^3 / (3 R^2). A barrier of weight mu adds -mu ln z2, so an interior point that stops at mu
-stops at z2 = (mu R^2)^(1/3), where the length is mu / 3 too long (docs/derivation.md, section 7).
-Both hold to first order in z2 / R.
+The shortest path has no such turn. In the paper's model (4.12) LS is a degenerate minimum: along
+the feasible curve the length grows like z2^3 / (3 R^2). A barrier of weight mu adds -mu ln z2, so
+an interior point that stops at mu stops at z2 = (mu R^2)^(1/3), where the length is mu / 3 too long
+(docs/derivation.md, section 7). Both hold to first order in z2 / R.
 """
 
 from __future__ import annotations
@@ -26,7 +26,10 @@ from dubins_study.report.statistics.metrics import fitted_order, parse_spec
 
 # Ipopt's constants (Waechter and Biegler 2006, sec. 2 and 3): the first barrier mu; the factor and
 # the power of its update, min(0.2 mu, mu^1.5); and its smallest value as a share of the tolerance.
-_MU_INIT, _KAPPA, _THETA, _FLOOR = 0.1, 0.2, 1.5, 1 / 11
+_MU_INIT = 0.1
+_KAPPA = 0.2
+_THETA = 1.5
+_FLOOR = 1 / 11
 
 _ROUNDING = 1e-15  # rad; a smaller turn is rounding
 _FOLLOWS = 0.1  # largest |ratio - 1| that confirms the prediction
@@ -39,7 +42,10 @@ MARKS = {
 
 
 def last_barrier(tol: float) -> float:
-    """The barrier at which Ipopt stops by default: the first one of its sequence within `tol`."""
+    """The barrier at which Ipopt stops by default.
+
+    It is the first one of Ipopt's sequence within `tol`.
+    """
     mu = _MU_INIT
     while mu > tol:
         mu = max(_FLOOR * tol, min(_KAPPA * mu, mu**_THETA))
@@ -47,12 +53,12 @@ def last_barrier(tol: float) -> float:
 
 
 def left_over(results: Results) -> pd.DataFrame:
-    """The study's attempts that returned a path, with the length of its right turn.
+    """Attempts with a path, and its right turn.
 
-    Adds the columns z2 (length of the right turn, length unit; 0 if it is only rounding), mu
-    (barrier at which the solver stops; NaN if it has no barrier), barrier_set (whether a setting
-    gives that barrier), predicted ((mu R^2)^(1/3)), ratio (z2 / predicted), excess_ratio
-    ((length - reference) / (mu / 3)).
+    The study's own attempts. Adds the columns z2 (length of the right turn, length unit; 0 if it is
+    only rounding), mu (barrier at which the solver stops; NaN if it has no barrier), barrier_set
+    (whether a setting gives that barrier), predicted ((mu R^2)^(1/3)), ratio (z2 / predicted),
+    excess_ratio ((length - reference) / (mu / 3)).
     """
     rows = results.rows[results.rows["length"].notna()]
     settings = results.settings
@@ -78,7 +84,10 @@ _TOLERANCES = {"equal": 1e-9, "default": 1e-8, "tuned": 1e-8}
 
 
 def barrier(spec: str, settings: Mapping[str, Mapping[str, Any]]) -> float:
-    """The barrier at which a spec stops on the unsplit model; NaN for any other solver."""
+    """The barrier at which a spec stops.
+
+    The model is the unsplit one; NaN for any other solver.
+    """
     group = settings.get(spec, {})
     if parse_spec(spec)[0] != "ipopt" or group.get("model") != "joint":
         return math.nan
@@ -87,14 +96,18 @@ def barrier(spec: str, settings: Mapping[str, Mapping[str, Any]]) -> float:
 
 
 def slope(table: pd.DataFrame) -> float:
-    """Slope of log z2 against log predicted by least squares; NaN if there are not two places."""
+    """Fitted slope of log z2 against log predicted.
+
+    The fit is by least squares; NaN if there are not two places.
+    """
     return -fitted_order(table["predicted"], table["z2"], floor=0.0)
 
 
 def plot_bias(ax: Axes, table: pd.DataFrame) -> None:
-    """Draw the remaining turn against its prediction, and the line where they are equal.
+    """Draw the remaining turn against its prediction.
 
-    Columns: predicted, z2 (length unit), barrier_set (whether a setting gives the barrier).
+    The line is where they are equal. Columns: predicted, z2 (length unit), barrier_set (whether a
+    setting gives the barrier).
     """
     ends = (0.5 * table["predicted"].min(), 2 * table["predicted"].max())
     ax.plot(ends, ends, color=MUTED, linewidth=0.9, linestyle=LINES[1], label="equal")
@@ -116,23 +129,23 @@ def bias_section(results: Results) -> Section | None:
     if with_barrier.empty:
         return None
     text = sentences(
-        "The shortest path to this target is LS, and the paper's model L(z₁) R(z₂) S(z₃) should "
+        "The shortest path to this target is LS, so the paper's model L(z₁) R(z₂) S(z₃) should "
         "answer with z₂ = 0. There its reduced cost is zero: the length grows only like "
-        "z₂³ / (3 R²), so a barrier −μ ln z₂ stops the turn at z₂ = (μ R²)^(1/3), where the "
-        "length is μ / 3 too long.",
+        "z₂³ / (3 R²). So a barrier −μ ln z₂ stops the turn at z₂ = (μ R²)^(1/3), where the "
+        "path is μ / 3 too long.",
         _prediction(with_barrier),
         _without_barrier(table[table["mu"].isna()], results),
     )
     lead = (
-        "Marks on the dashed line confirm the prediction: how much turn an interior-point solver "
-        "leaves in a path that should have none, while its length shows nothing."
+        "An interior-point solver leaves a turn in a path that should have none; the length hides "
+        "it. Marks on the dashed line confirm the prediction of this turn."
     )
     figure = picture(
         "bias",
         plot_bias,
         with_barrier,
         caption="The turn that Ipopt leaves, against the cube root of barrier times radius "
-        "squared; one mark per attempt. On the dashed line they are equal.",
+        "squared; one mark per attempt. On the dashed line both are equal.",
         alt="Turn left over against its prediction",
         height=3.9,
         legend=1,
@@ -141,7 +154,10 @@ def bias_section(results: Results) -> Section | None:
 
 
 def _prediction(with_barrier: pd.DataFrame) -> str:
-    """How well z2 is predicted, as the largest deviation and the slope."""
+    """Deviation of z2 from its prediction.
+
+    The largest deviation, and the slope.
+    """
     deviation = float((with_barrier["ratio"] - 1).abs().max())
     shown = digits(2)(deviation)
     comparison = f"is within a relative {shown} of this"
@@ -152,21 +168,24 @@ def _prediction(with_barrier: pd.DataFrame) -> str:
     excess = with_barrier["excess_ratio"]
     return (
         f"Over {count(len(with_barrier))} attempts z₂ {comparison}; the slope in logarithms is "
-        f"{digits(5)(slope(with_barrier))}{failures}. By how much the paths are longer than the "
-        f"shortest is {digits(3)(excess.min())} to {digits(3)(excess.max())} times μ / 3."
+        f"{digits(5)(slope(with_barrier))}{failures}. The paths are too long by "
+        f"{digits(3)(excess.min())} to {digits(3)(excess.max())} times μ / 3."
     )
 
 
 def _without_barrier(others: pd.DataFrame, results: Results) -> str:
-    """How much turn methods leave that are told no barrier; empty if there are none."""
+    """Turns that methods without a barrier leave.
+
+    Empty if there are none.
+    """
     if others.empty:
         return ""
     most = (others["z2"] / others["radius"]).groupby(others["solver"]).max()
     worst = labels_of(results)[str(most.idxmax())]
     return (
-        "A multiplier of zero gives an active-set method no reason to put the turn at its bound: "
-        f"of {some(len(most), 'method')} without a barrier {count((most == 0).sum())} leave none, "
-        f"and {worst} leaves up to {digits(2)(most.max())} R."
+        "With a multiplier of zero, an active-set method has no reason to put the turn at its "
+        f"bound. Of {some(len(most), 'method')} without a barrier {count((most == 0).sum())} leave "
+        f"no turn; {worst} leaves up to {digits(2)(most.max())} R."
     )
 
 

@@ -1,4 +1,7 @@
-"""The section on what not to conclude: each conclusion that the rows do not carry, and a number."""
+"""The section on what not to conclude.
+
+Each conclusion that the rows do not support, with a number.
+"""
 
 from __future__ import annotations
 
@@ -17,14 +20,17 @@ from dubins_study.report.topics.findings_evidence import ENOUGH
 from dubins_study.report.topics.routes import TITLE
 from dubins_study.study.words import FORMULATIONS, Outcome
 
-# The share that the precision of shares is said of: most methods that matter lie near it.
+# The precision of shares is given at this share: most methods that matter lie near it.
 _TYPICAL_SHARE = 0.9
 _CLOSED = 1e-8  # relative width of a route's reference
 _STOPPED_OUTCOMES = ("timeout", "out_of_memory")
 
 
 class Caution(NamedTuple):
-    """A conclusion that the rows do not carry, of how many, and the section that shows it."""
+    """A conclusion that the rows do not support.
+
+    `of` is the number of questions or attempts; `shown_in` names the section that shows it.
+    """
 
     sentence: str
     of: str
@@ -32,7 +38,7 @@ class Caution(NamedTuple):
 
 
 def overlapping_shares(attempts: Compared) -> Caution | None:
-    """How finely a share of as many questions as there are is known."""
+    """The precision of shares at this many questions."""
     asked = attempts.answerable.groupby("experiment")["question"].nunique()
     if asked.empty:
         return None
@@ -40,30 +46,37 @@ def overlapping_shares(attempts: Compared) -> Caution | None:
     low, high = wilson_intervals(_TYPICAL_SHARE * questions, questions)
     points = 100 * (high - low) / 2
     return Caution(
-        f"Do not rank methods by their shares alone: one of {share(_TYPICAL_SHARE)} is known to "
-        f"±{digits(2)(points)} percentage points. Overlapping intervals decide nothing; the paired "
-        "tests do.",
+        f"Do not rank methods by their shares alone: a share of {share(_TYPICAL_SHARE)} is known "
+        f"to ±{digits(2)(points)} percentage points. Use the paired tests; overlapping intervals "
+        "decide nothing.",
         f"{some(questions, 'question')} with a path, the fewest of an experiment",
         "Summary",
     )
 
 
 def unsteady_machine(results: Results) -> Caution | None:
-    """By how much the speed of the machines varied while the runs went on."""
-    runs = [run for folder in results.folders for run in folder.manifest.runs]
-    spreads = [run.spread for run in runs if run.spread is not None]
+    """How much the speed of the machines varied.
+
+    While the runs went on.
+    """
+    spreads: list[float] = []
+    for folder in results.folders:
+        spreads += [run.spread for run in folder.manifest.runs if run.spread is not None]
     if not spreads:
         return None
     return Caution(
-        f"Do not rank methods by times that differ by less than {share(max(spreads))}: by so much "
-        "the speed of the machine varied during a run.",
+        f"Do not rank methods by times that differ by less than {share(max(spreads))}: the speed "
+        "of the machine varied by this much during a run.",
         f"{some(len(spreads), 'run')} that timed a fixed piece of work",
         "The runs and their machines",
     )
 
 
 def stopped_attempts(attempts: Compared) -> Caution | None:
-    """Attempts that ended at the limit: nobody knows what they would have found."""
+    """Attempts that ended at a limit.
+
+    Nobody knows what they would have found.
+    """
     rows = attempts.answerable
     rows = rows[(rows["solver"] != EXACT) & (rows["outcome"] != Outcome.NOT_ASKED)]
     stopped = rows["outcome"].isin(_STOPPED_OUTCOMES) | (rows["claim"] == "limit")
@@ -71,44 +84,42 @@ def stopped_attempts(attempts: Compared) -> Caution | None:
     if not number:
         return None
     return Caution(
-        f"Do not conclude that a method cannot solve what it did not: {some(number, 'attempt')} "
-        f"ended at a limit of time ({seconds(attempts.limit_s)} at most) or of iterations.",
+        f"Do not conclude that a method cannot solve a question: {some(number, 'attempt')} ended "
+        f"at a limit of time ({seconds(attempts.limit_s)} at most) or of iterations.",
         f"{some(len(rows), 'attempt')} of engines at questions with a path",
         "Success and gaps",
     )
 
 
 def proved_routes(attempts: Compared) -> Caution | None:
-    """That all routes are ones which the search closes, if they are."""
+    """A caution if the search closes every route."""
     rows = attempts.answerable[legs_of(attempts.answerable) > 1]
     width = (rows["reference_high"] - rows["reference_low"]) / rows["reference_high"]
     widths = width.groupby(rows["question"]).first()
     if len(widths) < ENOUGH or not (widths <= _CLOSED).all():
         return None
     return Caution(
-        "Do not expect that the search closes such a share of all routes: these are only routes "
-        f"that it closes, to a relative {_CLOSED:.0e}.",
+        "Do not expect the search to close this share of all routes: only routes that it closes, "
+        f"to a relative {_CLOSED:.0e}, are asked here.",
         some(len(widths), "route"),
         TITLE,
     )
 
 
 def missing_pairs(results: Results, attempts: Compared) -> Caution | None:
-    """Pairs of a formulation and an engine that nobody asked, or could ask."""
+    """Pairs of formulation and engine without rows."""
     # the closed form is a formulation without an engine, and no pair
-    entries = {
-        (e.formulation, e.engine)
-        for folder in results.folders
-        for e in folder.manifest.matrix
-        if FORMULATIONS[0] not in (e.formulation, e.engine)
-    }
+    entries: set[tuple[str, str]] = set()
+    for folder in results.folders:
+        pairs = {(entry.formulation, entry.engine) for entry in folder.manifest.matrix}
+        entries |= {pair for pair in pairs if FORMULATIONS[0] not in pair}
     methods = attempts.engines
     asked = set(zip(methods["formulation"], methods["engine"], strict=True))
     missing = len(entries - asked)
     if not missing:
         return None
     return Caution(
-        f"Do not conclude anything about pairs that are not here: {count(missing)} of "
+        f"Do not conclude anything about missing pairs: {count(missing)} of "
         f"{count(len(entries | asked))} pairs of a formulation and an engine have no rows.",
         "all formulations with all engines",
         "Formulation by engine",
@@ -116,7 +127,10 @@ def missing_pairs(results: Results, attempts: Compared) -> Caution | None:
 
 
 def caution_section(results: Results) -> Section | None:
-    """Conclusions that the rows do not carry; None without attempts to compare."""
+    """Conclusions that the rows do not support.
+
+    None without attempts to compare.
+    """
     attempts = compared(results)
     if attempts is None:
         return None

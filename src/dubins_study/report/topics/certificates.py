@@ -1,4 +1,4 @@
-"""The section on certificates: how far the proof of each answer goes."""
+"""The section on certificates of answers."""
 
 from __future__ import annotations
 
@@ -25,14 +25,15 @@ COLUMNS = (
 
 
 def proofs(attempts: pd.DataFrame) -> pd.DataFrame:
-    """One row per solver; a value that none of its rows has is missing.
+    """One row per solver with its proofs.
 
-    Columns: solver, attempts, certified (attempts), one count per proof; pmp_residual (largest
-    among the right answers); multipliers (answers whose multipliers can be compared),
-    costate_median and costate_error (median and largest error of those); bounds (attempts with
-    a lower bound), false_bounds.
+    A value that none of its rows has is missing. Columns: solver, attempts, certified (attempts),
+    one count per proof; pmp_residual (largest among the right answers); multipliers (answers whose
+    multipliers can be compared), costate_median and costate_error (median and largest error of
+    those); bounds (attempts with a lower bound), false_bounds.
     """
-    kinds, right = proof(attempts), attempts["verdict"].isin(SUCCESSES)
+    kinds = proof(attempts)
+    right = attempts["verdict"].isin(SUCCESSES)
     # Multipliers can be compared with costates only if the path arrives and is an extremal; those
     # of a path that does not arrive are at best a proof of infeasibility. A single arc is excluded
     # too: only nu3 = 0 at its end and H = 0 restrict its costates, which leaves a whole family.
@@ -58,18 +59,18 @@ def certificates_section(results: Results) -> Section | None:
         return None
     text = (
         "Every answer is certified from its controls alone. Proved: the length agrees with a "
-        "rigorous interval around the shortest one, and Pontryagin's conditions hold, for the "
-        "branch best the cut margin too; or there is provably no path, and none was returned. "
-        "Bounded: the solver's own bound is within the tolerance. Extremal: Pontryagin's "
-        "conditions alone, which are necessary and not sufficient."
+        "rigorous interval around the shortest length, and Pontryagin's conditions hold. The "
+        "branch best needs the cut margin too. Also proved: no path exists, and none was "
+        "returned. Bounded: the solver's own bound is within the tolerance. Extremal: only "
+        "Pontryagin's conditions hold, which are necessary but not sufficient."
     )
     table = Table(
         "certificates",
-        "Attempts by how far their proof goes; failed, coarse or rippled answers have none, nor "
-        "has what the presolve answered in an engine's place. Bounds that solvers report, and how "
-        "many of them lie above the shortest length. Of the optimal answers the worst violation of "
-        "Pontryagin's conditions. Costate error: a solver's multipliers against the costates of "
-        "its own path, if that arrives and has more than one arc.",
+        "Number of attempts with each proof; failed, coarse or rippled answers and those of "
+        "presolve have none. A false bound lies above the shortest length. Worst residual: the "
+        "largest violation of Pontryagin's conditions by optimal answers. Costate error: the "
+        "solver's multipliers against the costates of its path, if that arrives and has more than "
+        "one arc.",
         frame,
         COLUMNS,
         marks(frame, "false_bounds"),
@@ -80,7 +81,8 @@ def certificates_section(results: Results) -> Section | None:
 
 
 def _proved(frame: pd.DataFrame) -> str:
-    attempts, proved = int(frame["attempts"].sum()), int(frame["proved"].sum())
+    attempts = int(frame["attempts"].sum())
+    proved = int(frame["proved"].sum())
     others = ", ".join(f"{count(frame[name].sum())} {name}" for name in PROOFS[1:])
     return (
         f"Of {count(attempts)} attempts {count(proved)} are proved ({share(proved / attempts)}; "

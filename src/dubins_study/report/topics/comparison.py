@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from itertools import chain
+from typing import Any, NamedTuple
+
 import pandas as pd
 
 from dubins_study.report.data.attempts import EXACT
@@ -44,13 +47,16 @@ from dubins_study.report.statistics.methods import (
     once,
 )
 
-# A method that was put to fewer of the questions would shrink what all have in common.
+# A method with a smaller share of the questions would shrink the set that all methods share.
 ENOUGH_ASKED = 0.9
 
 
 @once
 def times(compared: Compared) -> pd.DataFrame:
-    """The cost table of whole attempts of this machine (s); see `_costs`."""
+    """The cost table of times (s).
+
+    The times are of whole attempts on this machine; see `_costs`.
+    """
     rows = compared.answerable
     return _costs(compared, rows[~rows["elsewhere"]], "wall_s")
 
@@ -62,23 +68,36 @@ def evaluations(compared: Compared) -> pd.DataFrame:
 
 
 def _costs(compared: Compared, rows: pd.DataFrame, cost: str) -> pd.DataFrame:
-    """The cost table of the engines at questions with a path, the closed form left out.
+    """The cost table of the engines.
 
-    Methods that met fewer than nine tenths of the questions, or of which no right answer says its
-    cost, are left out. Columns in the order of tables.
+    The questions have a path; the closed form is left out. Methods that met fewer than nine tenths
+    of the questions, or whose right answers have no cost, are left out. Columns in the order of
+    tables.
     """
     rows = rows[rows["solver"] != EXACT]
     if rows.empty:
         return pd.DataFrame(index=pd.Index([], name="question"))
     table = cost_table(rows, cost, ["question"])
-    met = table.notna().mean()
-    kept = [s for s in compared.engines.index if s in table and met[s] >= ENOUGH_ASKED]
-    return table[kept]
+    share_met = table.notna().mean()
+    columns_shown = [
+        s for s in compared.engines.index if s in table and share_met[s] >= ENOUGH_ASKED
+    ]
+    return table[columns_shown]
+
+
+class Ranks(NamedTuple):
+    """Methods in the order of their ranks.
+
+    `shift` (s) is the shift of the means.
+    """
+
+    methods: pd.DataFrame
+    shift: float
 
 
 @once
-def mean_ranks(compared: Compared) -> tuple[pd.DataFrame, float]:
-    """Shares right, means of `times`, and ranks; then the shift of the means (s).
+def mean_ranks(compared: Compared) -> Ranks:
+    """Ranks of the methods, by means of `times`.
 
     A row per method in the order of the ranks: its columns; questions, right (share) with its
     interval; mean (shifted geometric mean with failures at the limit, s) with its own; and the
@@ -95,27 +114,28 @@ def mean_ranks(compared: Compared) -> tuple[pd.DataFrame, float]:
     frame = compared.methods.join(right, how="inner").reindex(shared.columns)
     frame = frame.join(compared.bootstrap(at_limit, geometric_means(shift), "mean"))
     frame = frame.join(ranking(shared, compared.limit_s, shift))
-    return frame.sort_values("mean", kind="stable"), shift
+    return Ranks(frame.sort_values("mean", kind="stable"), shift)
 
 
 LEVEL = 0.05
 
 
 def formulation_tests(table: pd.DataFrame, ranked: pd.DataFrame) -> pd.DataFrame:
-    """Paired tests by times: the best method of each formulation against each of its others.
+    """Paired tests by times within each formulation.
 
-    In the order of `mean_ranks`. The columns of `paired_tests`, and formulation.
+    The best method of each formulation against each of its others. In the order of `mean_ranks`.
+    The columns of `paired_tests`, and formulation.
     """
-    pairs = {
-        (group.index[0], rival): name
-        for name, group in ranked.groupby("formulation", sort=False)
-        for rival in group.index[1:]
-    }
+    pairs: dict[tuple[str, str], Any] = {}
+    for name, group in ranked.groupby("formulation", sort=False):
+        best = group.index[0]
+        pairs |= {(best, rival): name for rival in group.index[1:]}
     return paired_tests(table, pairs).assign(formulation=list(pairs.values()))
 
 
 def _profiles(table: pd.DataFrame, ranked: pd.DataFrame, palette: Palette) -> Picture:
-    profiles, named = {}, {}
+    profiles = {}
+    named = {}
     shared = shared_questions(table)
     order = ranked["formulation"].reindex(table.columns)
     for name in order.dropna().unique():
@@ -124,24 +144,27 @@ def _profiles(table: pd.DataFrame, ranked: pd.DataFrame, palette: Palette) -> Pi
         named[name] = foremost(-best.rank(method="first").min(axis=1), MOST_NAMED)
         profiles[name] = performance_profile(shared[group])
     grey = sum(len(profile.columns) - len(named[name]) for name, profile in profiles.items())
+    rest = ""
+    if grey:
+        rest = (
+            f"Named: the {MOST_NAMED} of each panel with the least means or most often right; "
+            f"grey: {some(grey, 'method')} more."
+        )
     caption = sentences(
-        "Performance profiles, formulation by formulation: the share of questions answered "
-        "correctly within a factor of the formulation's fastest right answer (Dolan and Moré). At "
-        "the left: how often a method is the fastest; at the right: how often it is right at all. "
-        "Read only the highest curve as best.",
-        f"Named: in each the {MOST_NAMED} with the least means or most often right; grey: "
-        f"{some(grey, 'method')} more."
-        if grey
-        else "",
+        "Performance profiles (Dolan and Moré): the share of questions answered correctly within a "
+        "factor of the formulation's fastest right answer. Left: how often a method is the "
+        "fastest; right: how often it is right at all. Read only the highest curve as best.",
+        rest,
     )
-    names = {solver: str(ranked["short"][solver]) for group in named.values() for solver in group}
+    solvers = chain.from_iterable(named.values())
+    names = {solver: str(ranked["short"][solver]) for solver in solvers}
     label = "time / time of the fastest right answer of the formulation"
     alt = "Performance profiles in small panels, one per formulation"
     data = profiles, names, palette, label
     return panels_picture("comparison-profiles", caption, share_curves, alt, *data, same_x=False)
 
 
-# Rivals of a formulation's or an engine's best method that a table of tests shows.
+# Most rivals of a formulation's best method in a table of tests.
 _MOST_RIVALS = 6
 
 
@@ -159,10 +182,10 @@ def rank_table(ranked: pd.DataFrame, shift: float, limit_s: float) -> Table:
     )
     caption = (
         f"Mean time: shifted geometric mean, shift {seconds(shift)} (the lower quartile of the "
-        f"times), a failure costs the limit of {seconds(limit_s)}. The rank is that of the mean; "
-        "none if it changes at a tenth or ten times the shift, or if failures cost twice or ten "
-        "times the limit. 95 % intervals: Wilson's for shares, for as many trials as there are "
-        "questions, and bootstrap over scenarios for means."
+        f"times); a failure costs the limit of {seconds(limit_s)}. The rank is that of the mean. "
+        "No rank: it changes at a tenth or ten times the shift, or if failures cost twice or ten "
+        "times the limit. 95 % intervals: Wilson's for shares, one trial per question; bootstrap "
+        "over scenarios for means."
     )
     texts = with_interval_texts(frame, right=share, mean=seconds)
     every = (*method_columns(frame), *shown)
@@ -171,7 +194,10 @@ def rank_table(ranked: pd.DataFrame, shift: float, limit_s: float) -> Table:
 
 
 def test_table(tests: pd.DataFrame, ranked: pd.DataFrame) -> Table:
-    """Paired tests of the best method of each formulation and its nearest rivals."""
+    """Table of paired tests.
+
+    The best method of each formulation and its nearest rivals.
+    """
     names = ranked["short"]
     near = tests.groupby("formulation", sort=False).head(_MOST_RIVALS)
     frame = near.assign(
@@ -188,11 +214,10 @@ def test_table(tests: pd.DataFrame, ranked: pd.DataFrame) -> Table:
     left_out = len(tests) - len(near)
     rest = f" {count(left_out)} tests of rivals with larger means are left out." if left_out else ""
     caption = (
-        "Paired tests of the best method of each formulation against the others of the same "
-        "formulation: the exact sign test, question by question; a failure loses to every right "
-        "answer, two failures tie. Holm's correction over all "
-        f"{count(len(tests))} tests. No rank: p above {LEVEL}; do not say which is faster. How "
-        f"much faster is said by the means, not by p.{rest}"
+        "Paired tests (exact sign test, question by question) of each formulation's best method "
+        "against its others. A failure loses to every right answer; two failures tie. Holm's "
+        f"correction over all {count(len(tests))} tests. No rank: p is above {LEVEL}; do not say "
+        f"which is faster. The means, not p, say how much faster.{rest}"
     )
     return Table("comparison-tests", caption, frame, shown, dense=True)
 
@@ -214,20 +239,26 @@ def comparison_section(results: Results) -> Section | None:
         blocks.append(test_table(tests, ranked))
     unranked = int(ranked["rank"].isna().sum())
     left_out = sum(solver not in table for solver in attempts.engines.index)
+    stability = "Every rank stays the same at all shifts and penalties."
+    if unranked:
+        stability = (
+            f"{count(unranked)} of {count(len(ranked))} methods have no rank: it changes with the "
+            "shift or with the penalty for failures."
+        )
+    absent = ""
+    if left_out:
+        absent = (
+            f"{some(left_out, 'method')} take no part: they met less than nine tenths of the "
+            "questions, or their right answers have no time."
+        )
     text = sentences(
         f"{count(len(shared))} questions with a path, put to {count(len(shared.columns))} methods; "
         "failures stay in every denominator. The closed form is left out.",
-        f"{count(unranked)} of {count(len(ranked))} methods have no rank: it changes with the "
-        "shift or with the penalty for failures."
-        if unranked
-        else "Every rank stays at any shift and penalty tried.",
-        f"{some(left_out, 'method')} that met less than nine tenths of the questions, or whose "
-        "right answers have no time, take no part."
-        if left_out
-        else "",
+        stability,
+        absent,
     )
     lead = (
-        "See in the profiles which method is fast (high at the left) and which is right at all "
+        "See in the profiles which method is fast (high at the left) and which is often right "
         "(high at the right)."
     )
     return Section("comparison", "Comparison of methods", text, tuple(blocks), lead)

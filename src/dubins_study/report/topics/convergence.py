@@ -1,4 +1,4 @@
-"""Refined discretisations: the order of convergence, and the time that it takes."""
+"""The order of convergence of refined discretisations."""
 
 from __future__ import annotations
 
@@ -27,24 +27,23 @@ _FIGURES = {
     "gap": (
         "convergence",
         "median gap",
-        "median gap against the number of steps, headings or elements, and the order p fitted as "
-        "far as it falls. Steeper is better; marks inside each other are lines that coincide.",
+        "median gap against the number of steps, headings or elements, and the fitted order p. "
+        "Steeper is better. Marks inside each other: lines that coincide.",
     ),
     "miss": (
         "convergence-miss",
         "median miss / R",
-        "by how much collocation misses if nothing corrects it. Nothing is fitted below 1e-9, "
-        "Ipopt's own tolerance.",
+        "the miss of uncorrected collocation. Nothing is fitted below 1e-9, Ipopt's own tolerance.",
     ),
 }
 
 
 def refined(rows: pd.DataFrame, settings: Settings) -> pd.DataFrame:
-    """The attempts of methods that can be refined, with the value measured for each.
+    """Attempts of methods that can be refined.
 
-    Columns series (the method and all settings in its spec except the size; categories in the order
-    of tables), solver, size, place (categories), measure (`gap`, or `miss` in radii for uncorrected
-    collocation) and value (infinite if there is none).
+    Each with its measured value. Columns series (the method and all settings in its spec except the
+    size; categories in the order of tables), solver, size, place (categories), measure (`gap`, or
+    `miss` in radii for uncorrected collocation) and value (infinite if there is none).
     """
     sizes = sizes_of(rows, settings)
     group = rows[rows["solver"].isin(list(sizes)) & rows["region"].notna()]
@@ -66,7 +65,10 @@ def refined(rows: pd.DataFrame, settings: Settings) -> pd.DataFrame:
 
 
 def sizes_of(rows: pd.DataFrame, settings: Settings) -> dict[str, int]:
-    """Spec -> its fineness, for the solvers of the rows that have one."""
+    """Map each spec to its fineness.
+
+    Solvers of the rows without a fineness are left out.
+    """
     sizes = {}
     for spec in rows["solver"].unique():
         name = parse_spec(spec)[0]
@@ -97,10 +99,10 @@ _LINE = ["measure", "series", "place"]
 
 
 def medians(attempts: pd.DataFrame) -> pd.DataFrame:
-    """One row per series, place and size, from the attempts that `refined` returns.
+    """Medians by series, place and size.
 
-    Columns measure, series, place, size, solver (a spec of the series, the same at all sizes) and
-    value (median, infinite if half have none).
+    The attempts are those that `refined` returns. Columns measure, series, place, size, solver (a
+    spec of the series, the same at all sizes) and value (median, infinite if half have none).
     """
     first = attempts.groupby("series")["solver"].first()
     groups = attempts.groupby([*_LINE, "size"])
@@ -109,7 +111,10 @@ def medians(attempts: pd.DataFrame) -> pd.DataFrame:
 
 
 def orders(table: pd.DataFrame) -> pd.DataFrame:
-    """`medians` with a column order: p of median ~ size^-p, over the sizes at which it falls."""
+    """`medians` with the fitted order of convergence.
+
+    Column order: p of median ~ size^-p, over the sizes at which the median falls.
+    """
     lines = [
         line.assign(order=_order(line, FLOOR[str(measure)]))
         for (measure, _, _), line in table.groupby(_LINE)
@@ -133,15 +138,15 @@ def convergence_section(results: Results) -> Section | None:
     lines["label"] = lines["solver"].map(named)
     pictures = _pictures(lines, Palette.of_page(results))
     text = (
-        "A held turn rate costs the integral of |ν₃ Δu| over the steps in which it should have "
-        "switched. ν₃ leaves zero quadratically where an arc meets a straight and linearly where "
-        "two arcs meet, so steps of 1/N should cost 1/N³ outside the discs and 1/N² inside; a "
-        "grid of final headings should cost the same. Left uncorrected, collocation at p of "
-        "Radau's points should miss the target by 1/N to the power 2p − 1."
+        "A constant turn rate costs the integral of |ν₃ Δu| over the steps in which it should "
+        "switch. ν₃ leaves zero quadratically where an arc meets a straight, and linearly where "
+        "two arcs meet. So steps of 1/N should cost 1/N³ outside the discs and 1/N² inside; a "
+        "grid of final headings should cost the same. Uncorrected collocation at p of Radau's "
+        "points should miss the target by 1/N to the power 2p − 1."
     )
     lead = (
-        "Read the slope of a line: with twice the steps the gap falls by 2 to the power p, outside "
-        "the turning circles faster than inside."
+        "Read the slope of a line: twice the steps divide the gap by 2 to the power p. The gap "
+        "falls faster outside the turning circles than inside."
     )
     return Section("convergence", "Order of convergence", text, tuple(pictures), lead)
 
@@ -151,9 +156,9 @@ def _pictures(lines: pd.DataFrame, palette: Palette) -> list[Picture]:
     lines["place"] = pd.Categorical(lines["place"], PLACES)
     order = lines["order"].map(digits(3), na_action="ignore")
     lines["name"] = (lines["label"] + ": p = " + order).fillna(lines["label"])
-    drawn = lines[lines["value"].between(0, np.inf, inclusive="neither")]
+    positive = lines[lines["value"].between(0, np.inf, inclusive="neither")]
     pictures = []
-    for (measure, place), group in drawn.groupby(["measure", "place"]):
+    for (measure, place), group in positive.groupby(["measure", "place"]):
         stem, ylabel, text = _FIGURES[str(measure)]
         axes = ("steps, headings or elements N", ylabel)
         figure = parameter_lines(group, "size", "value", palette, *axes, height=3.7)

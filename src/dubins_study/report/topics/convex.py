@@ -1,4 +1,7 @@
-"""Convex problems: engines of QPs and SOCPs by family and accuracy, and what cvxpy adds."""
+"""Convex problems: engines of QPs and SOCPs.
+
+They are compared by family and accuracy, and with and without cvxpy.
+"""
 
 from __future__ import annotations
 
@@ -24,18 +27,18 @@ from dubins_study.report.statistics.costs import (
 from dubins_study.report.statistics.metrics import parse_spec, success
 from dubins_study.study.convex.problem import listed
 
-# `socp` is of a former set of problems
+# `socp` is the family of a former set of problems
 FAMILIES = {"qp": "QP", "tube": "tube", "time": "fastest drive", "socp": "SOCP"}
 _OWN = "own"
 _METHOD = ["family", "tolerance", "name"]
 
 
 def with_parts(rows: pd.DataFrame) -> pd.DataFrame:
-    """The rows of frozen problems with the columns family, interface, name, right and kept.
+    """The rows of frozen problems with their parts.
 
-    Name: the engine, with what is not usual. Right: the check calls the answer optimal within the
-    tolerance asked for. Kept: primal residual, dual residual and gap of both objectives are each
-    within it.
+    Adds the columns family, interface, name, right and kept. Name: the engine, with `tuned` for
+    tuned options. Right: the check calls the answer optimal within the tolerance asked for. Kept:
+    primal residual, dual residual and gap of both objectives are each within it.
     """
     families = rows["label"].str.extract(r"^([a-z]+)-\d+-", expand=False).map(FAMILIES)
     rows = rows.assign(family=families)[families.notna()]
@@ -53,10 +56,10 @@ def with_parts(rows: pd.DataFrame) -> pd.DataFrame:
 
 
 def time_table(rows: pd.DataFrame) -> pd.DataFrame:
-    """The cost table of attempts at one tolerance (s): a row a problem, a column an engine's name.
+    """The cost table of times (s) at one tolerance.
 
-    A problem that an engine was not asked counts as not solved. The engine with the least mean
-    comes first.
+    A row is a problem, a column an engine's name. A problem that an engine was not asked counts as
+    not solved. The engine with the least mean comes first.
     """
     named = rows.drop(columns="solver").rename(columns={"name": "solver"})
     table = cost_table(named, "wall_s", ["label"]).fillna(np.inf)
@@ -65,11 +68,11 @@ def time_table(rows: pd.DataFrame) -> pd.DataFrame:
 
 
 def by_method(rows: pd.DataFrame) -> pd.DataFrame:
-    """One row per family, tolerance and engine's name, in that order.
+    """Shares, false claims and times by method.
 
-    Columns: asked (problems); right (of them) with its share and interval; false_claim (problems);
-    floor_s (median); mean_s (shifted geometric mean of times, failures at the limit, NaN where no
-    time is of this machine).
+    One row per family, tolerance and engine's name, in that order. Columns: asked (problems); right
+    (of them) with its share and interval; false_claim (problems); floor_s (median); mean_s (shifted
+    geometric mean of times, failures at the limit, NaN where no time is of this machine).
     """
     problems = rows.groupby([*_METHOD, "label"]).agg(
         right=("right", "all"), false_claim=("false_claim", "any"), floor_s=("floor_s", "median")
@@ -88,51 +91,67 @@ def by_method(rows: pd.DataFrame) -> pd.DataFrame:
 
 
 def shift_of(rows: pd.DataFrame) -> float:
-    """The shift of all means (s), from the times of right answers."""
+    """The shift of all means (s).
+
+    It is chosen from the times of right answers.
+    """
     return chosen_shift(rows.loc[rows["right"], "wall_s"])
 
 
 def convex_section(results: Results) -> Section | None:
-    """Which engine solves which share of each family at each tolerance, and in which time."""
+    """The section on convex problems.
+
+    Which engine solves which share of each family at each tolerance, and in which time.
+    """
     rows = with_parts(results.rows)
     if rows.empty:
         return None
-    own = rows[rows["interface"] == _OWN]
-    methods = by_method(own)
+    direct = rows[rows["interface"] == _OWN]
+    methods = by_method(direct)
     false = int(rows["false_claim"].sum())
     denied = int((rows["false_claim"] & rows["claim"].eq("infeasible")).sum())
     hidden = int((rows["kept"] & rows["verdict"].eq("longer")).sum())
     former = rows.loc[~rows["label"].isin(listed()), "label"].nunique()
+    old_problems = ""
+    if former:
+        old_problems = f"Problems of a former set: {former}."
     text = sentences(
         "An answer is right if the feasible point made from it costs at most the tolerance more "
         "than the proven optimum. Engines are asked for an absolute tolerance and no relative one.",
-        f"{some(false, 'claim')} of {count(len(rows))} answers {'is' if false == 1 else 'are'} "
-        f"false: {denied} that no point is feasible, the others of an optimum, by the proof and by "
-        "a residual beyond the tolerance.",
-        f"{some(hidden, 'answer')} {'keeps' if hidden == 1 else 'keep'} all three residuals within "
-        f"the tolerance and {'is' if hidden == 1 else 'are'} further than that from the optimum.",
+        f"False claims in {some(len(rows), 'answer')}: {count(false)}. In {count(denied)} of them "
+        "the engine claims that no point is feasible. In the others it claims an optimum; the "
+        "proof and a residual beyond the tolerance refute it.",
+        f"Answers with all three residuals within the tolerance, but further than that from the "
+        f"optimum: {count(hidden)}.",
         _through_cvxpy(rows),
-        f"Problems of a former set: {former}." if former else "",
+        old_problems,
     )
-    blocks: list[Picture | Table] = [_engines(methods, shift_of(own))]
-    if own["wall_s"].notna().any():
-        blocks = [_profiles(own, results), *blocks]
-    return Section("convex", "Convex problems of paths", text, tuple(blocks), _surest(methods))
+    blocks: list[Picture | Table] = [_engines(methods, shift_of(direct))]
+    if direct["wall_s"].notna().any():
+        blocks = [_profiles(direct, results), *blocks]
+    lead = _best_supported(methods)
+    return Section("convex", "Convex problems of paths", text, tuple(blocks), lead)
 
 
-def _surest(methods: pd.DataFrame) -> str:
-    """The engine of each family whose share has the highest lower end, at the least tolerance."""
+def _best_supported(methods: pd.DataFrame) -> str:
+    """The best-supported engine of each family.
+
+    Its share has the highest lower end, at the least tolerance.
+    """
     least = methods["tolerance"].min()
     last = methods[methods["tolerance"] == least].sort_values("right_low", ascending=False)
     parts = []
     for best in last.drop_duplicates("family").itertuples():
-        found = with_interval(share, best.right_share, best.right_low, best.right_high)
-        parts.append(f"{best.name} on {best.family}, {found}")
-    return f"Most surely right at the tolerance {power(float(least))}: {'; '.join(parts)}."
+        result = with_interval(share, best.right_share, best.right_low, best.right_high)
+        parts.append(f"{best.name} on {best.family}, {result}")
+    return f"Best supported at the tolerance {power(float(least))}: {'; '.join(parts)}."
 
 
 def _through_cvxpy(rows: pd.DataFrame) -> str:
-    """How much longer the same engines take through cvxpy for the same problems."""
+    """How much longer engines take through cvxpy.
+
+    The same engines at the same problems.
+    """
     right = rows[rows["right"]]
     times = right.groupby(["name", "label", "tolerance", "interface"])["wall_s"].median()
     both = times.unstack("interface").dropna()
@@ -143,7 +162,10 @@ def _through_cvxpy(rows: pd.DataFrame) -> str:
 
 
 def _profiles(rows: pd.DataFrame, results: Results) -> Picture:
-    """Performance profiles of QPs and of programs with cones, at each tolerance."""
+    """Performance profiles at each tolerance.
+
+    QPs and programs with cones have panels of their own.
+    """
     timed = rows[rows["wall_s"].notna()]
     kinds = timed["family"].eq(FAMILIES["qp"]).map({True: "QP", False: "with cones"})
     panels = kinds + ", " + timed["tolerance"].map(power)
@@ -166,7 +188,10 @@ def _profiles(rows: pd.DataFrame, results: Results) -> Picture:
 
 
 def _engines(methods: pd.DataFrame, shift: float) -> Table:
-    """By family and engine: shares right and mean times at each tolerance, and false claims."""
+    """Table of engines, by family.
+
+    Shares right and mean times at each tolerance, and false claims.
+    """
     mean = methods["mean_s"].map(seconds, na_action="ignore").astype(object).fillna(ABSENT)
     floor = np.where(methods["floor_s"] > 0.5 * methods["mean_s"], "*", "")
     cells = methods.assign(at=methods["right_text"] + "\n" + mean + floor)
@@ -187,14 +212,16 @@ def _engines(methods: pd.DataFrame, shift: float) -> Table:
         *columns(count, false_claim="false claims"),
     )
     caption = (
-        "Share of problems solved right, its 95 % interval (Wilson), and the mean time: shifted "
-        f"geometric, shift {seconds(shift)} (the lower quartile of all times); failures, and "
-        "problems not asked, count as the limit. *: the floor, the time of a problem of one "
-        "variable, is more than half of it."
+        "Share of problems solved right, its 95 % interval (Wilson), and the mean time. The mean "
+        f"is shifted geometric, shift {seconds(shift)} (the lower quartile of all times); failures "
+        "and problems not asked count as the limit. *: more than half of it is the floor, the time "
+        "of a problem of one variable."
     )
-    numbers = tuple(f"{name}_{t:g}" for t in tolerances for name in ("right", "mean_s"))
+    numbers: list[str] = []
+    for t in tolerances:
+        numbers += [f"right_{t:g}", f"mean_s_{t:g}"]
     flags = marks(frame, "false_claim")
-    return Table("convex-engines", caption, frame, shown, flags, numbers=numbers, dense=True)
+    return Table("convex-engines", caption, frame, shown, flags, numbers=tuple(numbers), dense=True)
 
 
 TOPIC = Topic("convex problems", convex_section, "convex")

@@ -1,4 +1,4 @@
-"""The section on what evaluations and seconds go to."""
+"""The section on where evaluations and seconds go."""
 
 from __future__ import annotations
 
@@ -27,15 +27,15 @@ MARKS = (
     Mark("rest", colour=RULE),
 )
 _MOST = 8  # bars in a panel that can be read
-_HARDLY = 0.005  # of the cost: other runs that are nothing to show
+_HARDLY = 0.005  # share of the cost up to which other runs are not shown
 _RATIO = digits(3)
 
 
 def shares(compared: Compared, parts: pd.DataFrame) -> pd.DataFrame:
-    """What the total goes to: the mean amount of each kind over the mean total; see `split`.
+    """Share of each kind in the total cost.
 
-    A row per method that counts the amount, with its columns, each of `KINDS` as a share, and total
-    (mean over answers).
+    A share is the mean amount of the kind over the mean total; see `split`. A row per method that
+    counts the amount, with its columns, each of `KINDS` as a share, and total (mean over answers).
     """
     means = parts.groupby("solver").mean().dropna()
     kinds = means[list(KINDS)].div(means["total"], axis=0)
@@ -43,7 +43,10 @@ def shares(compared: Compared, parts: pd.DataFrame) -> pd.DataFrame:
 
 
 def cost_section(results: Results) -> Section | None:
-    """What evaluations and seconds go to, against one run of the engine."""
+    """Where evaluations and seconds go.
+
+    They are compared with one run of the engine.
+    """
     attempts = compared(results)
     if attempts is None:
         return None
@@ -52,25 +55,31 @@ def cost_section(results: Results) -> Section | None:
     if not blocks:
         return None
     text = (
-        "Besides the run that gives the answer, the cost goes to other runs, which are restarts "
-        "and other words, and to building. Only right answers at questions with a path count. The "
+        "The cost has four parts: the run that gives the answer, other runs (restarts and other "
+        "words), building, and the rest. Only right answers at questions with a path count. The "
         "floor is the winning run: the same engine called once, from the same guess."
     )
-    lead = "See how little of the cost is the run that gives the answer (plain blue)."
+    lead = "See how small a part of the cost is the run that gives the answer (plain blue)."
     return Section("cost", "Cost where it arises", text, blocks, lead)
 
 
 def _picture(table: pd.DataFrame, amount: str) -> Picture:
-    """The `shares` of the kinds as bars, the mean total beside each."""
+    """Bars of the `shares` of the kinds.
+
+    The mean total stands beside each bar.
+    """
     shown = _bars(table)
     show, label = {
         "evaluations": (_RATIO, "share of evaluations, right answers"),
         "seconds": (seconds, "share of the time, right answers"),
     }[amount]
+    left_out = len(table) - len(shown)
+    in_all = ""
+    if left_out:
+        in_all = f", and {count(left_out)} methods in all"
     caption = (
-        f"What the {amount} of an answer go to; at the right their mean number. Winning run: the "
-        "run that gives the answer. Methods of a single run are left out"
-        f"{f', and {count(len(table) - len(shown))} methods in all' * (len(table) > len(shown))}."
+        f"Where the {amount} of an answer go; at the right their mean number. Winning run: the "
+        f"run that gives the answer. Methods of a single run are left out{in_all}."
     )
     alt = f"Stacked bars of the shares of {amount}, one per method, by formulation"
     noted = shown.assign(note=shown["total"].map(show))
@@ -78,9 +87,9 @@ def _picture(table: pd.DataFrame, amount: str) -> Picture:
 
 
 def _bars(table: pd.DataFrame) -> pd.DataFrame:
-    """The cheapest methods with more than one run; if all have a single run, the cheapest.
+    """The cheapest methods with more than one run.
 
-    Of each formulation as many as a panel may have.
+    If all have a single run, the cheapest. A formulation has at most `_MOST` methods.
     """
     order = table.sort_values("total")
     several = order[order["other runs"] > _HARDLY]

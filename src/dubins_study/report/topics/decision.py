@@ -1,4 +1,7 @@
-"""Where engines err and where they stop: formulation by formulation, suite by suite."""
+"""Where engines err, and where they stop.
+
+Formulation by formulation, suite by suite.
+"""
 
 from __future__ import annotations
 
@@ -15,14 +18,14 @@ from dubins_study.report.elements.content import General, Place, Section, Table,
 from dubins_study.report.elements.formats import count, share, some
 from dubins_study.report.elements.identity import with_interval
 from dubins_study.report.elements.looks import labels_of
-from dubins_study.report.statistics.methods import UNSTATED, Compared, compared, surest_first
+from dubins_study.report.statistics.methods import UNSTATED, Compared, by_support, compared
 from dubins_study.report.statistics.metrics import parse_spec
 from dubins_study.study.words import Outcome
 
 TITLE = "Where engines err, and where they stop"
 _KIND = ["formulation", "guesses"]
 _NO_GUESS = ("none", "")
-_MOST_LINES = 12  # solvers beside a reader's own, up to which each has a line
+_MOST_LINES = 12  # with a reader's own solver: up to this many solvers have a line each
 _SHARES = ("longer", "misses", "none", "late", "not asked")
 
 
@@ -30,10 +33,10 @@ _NEAR = 0.1  # radii from a turning circle
 
 
 def suites(rows: pd.DataFrame) -> pd.Series[str]:
-    """The experiment of each row; one with targets near and far from a circle counts as two.
+    """The suite of each row.
 
-    How many targets lie where the problem is hard was chosen, so that a share of all is none of the
-    engine's.
+    That is the experiment; one with targets near and far from a circle counts as two. The number of
+    hard targets was chosen, so a share of all targets says nothing of the engine.
     """
     near = rows["margin"].abs() <= _NEAR * (1 + 1e-6)
     where = near.map({True: ", near a circle", False: ", elsewhere"})
@@ -43,46 +46,49 @@ def suites(rows: pd.DataFrame) -> pd.Series[str]:
     return rows["experiment"].astype(str).str.cat(where.where(enough & several, ""))
 
 
-def surest(rows: pd.DataFrame) -> pd.DataFrame:
-    """Of each formulation, its guesses and each experiment, the method that is most surely right.
+def best_supported(rows: pd.DataFrame) -> pd.DataFrame:
+    """The best-supported method of each line and experiment.
 
-    Of those asked more than half as often as any, so that no sample displaces the whole: the lower
-    end of the interval decides, then the median time. Indexed by experiment, formulation and
-    guesses; columns solver, share, low, high, trials and wall_s (median).
+    A line is a formulation with its guesses. Only methods asked more than half as often as the most
+    asked one count, so that no sample wins. The lower end of the interval decides, then the median
+    time. Indexed by experiment, formulation and guesses; columns solver, share, low, high, trials
+    and wall_s (median).
     """
     keys = ["experiment", *_KIND]
-    ranked = surest_first(rows, [*keys, "solver"])
+    ranked = by_support(rows, [*keys, "solver"])
     asked = ranked["trials"].groupby(keys, observed=True).transform("max")
     whole = ranked[2 * ranked["trials"] > asked]
     return whole.reset_index("solver").groupby(keys, sort=False).head(1)
 
 
 def ends(rows: pd.DataFrame) -> dict[Hashable, dict[Any, float]]:
-    """How the attempts of each formulation and kind of guess ended, all engines together.
+    """How the attempts of each line ended.
 
-    By formulation and guesses. Shares of all questions: longer, misses, none (no path), late (an
-    answer after the limit) and not asked. Numbers: false_claims, and asked, the attempts made.
+    A line is a formulation with a kind of guess, all engines together. By formulation and guesses.
+    Shares of all questions: longer, misses, none (no path), late (an answer after the limit) and
+    not asked. Numbers: false_claims, and asked, the attempts made.
     """
-    made = rows["outcome"] != Outcome.NOT_ASKED
+    was_asked = rows["outcome"] != Outcome.NOT_ASKED
     conditions = {
         "late": is_true(rows["late"]),
         "longer": rows["verdict"].eq("longer"),
         "misses": rows["verdict"].eq("misses"),
-        "not asked": ~made,
+        "not asked": ~was_asked,
         "right": rows["right"],
     }
     kind = np.select([*conditions.values()], [*conditions], "none")
     flags = pd.get_dummies(pd.Series(kind, rows.index)).reindex(columns=_SHARES, fill_value=False)
-    counted = pd.DataFrame({"false_claims": is_true(rows["false_claim"]), "asked": made})
+    counted = pd.DataFrame({"false_claims": is_true(rows["false_claim"]), "asked": was_asked})
     kinds = [rows[key] for key in _KIND]
     frame = flags.groupby(kinds).mean().join(counted.groupby(kinds).sum())
     return frame.to_dict("index")
 
 
 def stops(rows: pd.DataFrame, strata: Sequence[str]) -> dict[Hashable, str]:
-    """Up to how many legs an engine is right on most routes of every size, spacing by spacing.
+    """Up to how many legs engines are right.
 
-    By formulation and guesses; empty without routes. A spacing is one of the `strata`.
+    An engine is right on most routes of every size up to this, for each spacing. By formulation and
+    guesses; empty without routes. A spacing is one of the `strata`.
     """
     routes = rows.assign(legs=legs_of(rows))
     routes = routes[routes["legs"].groupby(routes["experiment"]).transform("max") > 1]
@@ -91,18 +97,19 @@ def stops(rows: pd.DataFrame, strata: Sequence[str]) -> dict[Hashable, str]:
     holds = holds.groupby(keys).cummin()  # a larger size after one that fails is luck
     most = holds[holds].reset_index().groupby([*_KIND, "label"])["legs"].max()
     labels = [label for label in strata if label in set(routes["label"])]
-    found = most.unstack("label").reindex(columns=labels).fillna(0)
+    largest = most.unstack("label").reindex(columns=labels).fillna(0)
     return {
         kind: ", ".join(map(count, line))
-        for kind, line in zip(found.index, found.to_numpy(), strict=True)
+        for kind, line in zip(largest.index, largest.to_numpy(), strict=True)
     }
 
 
 def decision_section(results: Results) -> Section | None:
-    """A table of formulations; without attempts to compare, a sentence that says so.
+    """A table of formulations.
 
-    A plug-in's solver has a line of its own, before all others. Every solver has one if a suite has
-    too few questions to choose the surest of each formulation.
+    If there are no attempts to compare, a sentence says so. A plug-in's solver has a line of its
+    own, before all others. Every solver has one if a suite has too few questions to choose the best
+    supported of each formulation.
     """
     attempts = compared(results)
     if attempts is None or attempts.answerable.empty:
@@ -110,11 +117,11 @@ def decision_section(results: Results) -> Section | None:
     rows = attempts.answerable
     rows = rows.assign(experiment=suites(rows))
     few = bool(rows.groupby("experiment")["question"].nunique().min() < ENOUGH_TO_CHOOSE)
-    mine = rows["solver"].map(own_name).ne("")
-    each = few or bool(mine.any() and len(attempts.methods) <= _MOST_LINES)
+    plugins = rows["solver"].map(own_name).ne("")
+    each = few or bool(plugins.any() and len(attempts.methods) <= _MOST_LINES)
     stated = attempts.methods["formulation"].replace(UNSTATED, np.nan)
     formulation = rows["solver"].map(stated)
-    alone = mine | formulation.isna() | each
+    alone = plugins | formulation.isna() | each
     rows = rows.assign(
         formulation=formulation.mask(alone, rows["solver"].map(labels_of(results))),
         guesses=rows["guesses"].fillna("").mask(alone, ""),
@@ -124,28 +131,34 @@ def decision_section(results: Results) -> Section | None:
 
 
 def _lead(rows: pd.DataFrame) -> str:
-    """The closed form is always there to be used; here it may not have been asked."""
-    own = rows[rows["solver"] == EXACT]
-    if own.empty:
+    """Advice to use the closed form.
+
+    Its number is left out if the closed form was not asked here.
+    """
+    exact = rows[rows["solver"] == EXACT]
+    if exact.empty:
         return "If you only need the path, use the closed form."
-    right = int(own.groupby("question")["right"].min().sum())
+    right = int(exact.groupby("question")["right"].min().sum())
     routes = ", or the search with a proof where there are via points"
     where = routes if legs_of(rows).gt(1).any() else ""
     return (
         f"If you only need the path, use the closed form{where}: right in time on "
-        f"{count(right)} of {some(own['question'].nunique(), 'question')}. "
-        "The other lines say what each method must know."
+        f"{count(right)} of {some(exact['question'].nunique(), 'question')}. "
+        "The table says what each method must know, and how often it is right."
     )
 
 
 def _table(attempts: Compared, rows: pd.DataFrame, *, few: bool, each: bool) -> Table:
-    """A line for each formulation and kind of guess; first those that most suites ask."""
+    """A line for each formulation and kind of guess.
+
+    First those that most suites ask.
+    """
     # an engine at other options is asked a sample only, and would count twice
     equal = rows[rows["solver"].map(_equal)]
     stop = stops(rows, attempts.strata) | stops(equal, attempts.strata)
     ended = ends(rows) | ends(equal)
     experiments = list(dict.fromkeys(rows["experiment"]))
-    best = surest(rows).reset_index()
+    best = best_supported(rows).reset_index()
     best["knows"] = best["solver"].map(rows.groupby("solver")["knows"].first())
     best["place"] = best["experiment"].map(experiments.index)
     lines = [
@@ -155,29 +168,28 @@ def _table(attempts: Compared, rows: pd.DataFrame, *, few: bool, each: bool) -> 
     frame = pd.DataFrame(lines).sort_values(
         ["mine", "suites", "sure"], ascending=False, ignore_index=True
     )
+    first_title = "method" if each else "formulation, guesses"
     shown = (
-        *columns(kind="text", method="method" if each else "formulation, guesses", knows="knows"),
+        *columns(kind="text", method=first_title, knows="knows"),
         *(Column(f"suite_{n}", name, kind="pick spec") for n, name in enumerate(experiments)),
         *columns(kind="cell", errs="longer / misses / none / unasked, %"),
         *columns(kind="cell", false="false claims", stops="legs"),
     )
-    caption = "The share right, with its 95 % interval by Wilson, then how the attempts end."
+    caption = "The share right with its 95 % interval (Wilson), then how the attempts end."
     if not each:
         caption = (
-            "The solver with the highest lower end of its 95 % interval (Wilson), then how the "
-            "attempts of all engines end at equal options."
+            "The best-supported solver, whose 95 % interval (Wilson) has the highest lower end. "
+            "Then how the attempts of all engines end at equal options."
         )
     if few:
-        caption += (
-            f" Fewer than {ENOUGH_TO_CHOOSE} questions choose no engine: every method has a line."
-        )
+        caption += f" With fewer than {ENOUGH_TO_CHOOSE} questions every method has a line."
     caption += " None: no path in time. False claims: of attempts made."
     if any("circle" in name for name in experiments):
         caption += f" Near a circle: the target lies within {_NEAR:g} R of a turning circle."
     if stop:
         caption += (
-            " Legs: up to which an engine is right on most routes of each size, by spacing, long "
-            "to short."
+            " Legs: the size up to which some engine is right on most routes, for each spacing, "
+            "long to short."
         )
     else:
         shown = shown[:-1]
@@ -187,23 +199,29 @@ def _table(attempts: Compared, rows: pd.DataFrame, *, few: bool, each: bool) -> 
 
 
 def _equal(spec: str) -> bool:
-    """Whether a solver has the options `equal`, or engine and options are its own affair."""
+    """Whether a solver has the options `equal`.
+
+    A plug-in's solver without such options counts, too.
+    """
     return parse_spec(spec)[1].get("options", "equal") == "equal"
 
 
 def _line(methods: pd.DataFrame, end: Mapping[Any, float]) -> dict[str, Any]:
-    """One line of the table: the surest method in each experiment, and how all attempts ended."""
+    """One line of the table.
+
+    The best-supported method in each experiment, and how all attempts ended.
+    """
     first = methods.iloc[0]
     formulation = str(first["formulation"])
     guesses = str(first["guesses"])
-    mine = bool(own_name(first["solver"]))
+    is_plugin = bool(own_name(first["solver"]))
     shares = (end["longer"], end["misses"], end["none"] + end["late"], end["not asked"])
     line: dict[str, Any] = {
         "formulation": formulation,
         "guesses": guesses,
         "method": formulation if guesses in _NO_GUESS else f"{formulation}, {guesses}",
         "knows": " ".join(sorted(set(methods["knows"].str.cat(sep=" ").split()))),
-        "mine": mine,
+        "mine": is_plugin,
         "suites": len(methods),
         "sure": methods["low"].mean(),
         "errs": " / ".join(f"{100 * part:.0f}" for part in shares),
@@ -213,7 +231,7 @@ def _line(methods: pd.DataFrame, end: Mapping[Any, float]) -> dict[str, Any]:
     for method in methods.to_dict("records"):
         text = with_interval(share, method["share"], method["low"], method["high"])
         text = text.replace(" to ", "\u00a0to\u00a0")  # an interval stays on one line
-        line[f"suite_{method['place']}"] = text if mine else f"{method['solver']}\n{text}"
+        line[f"suite_{method['place']}"] = text if is_plugin else f"{method['solver']}\n{text}"
     return line
 
 

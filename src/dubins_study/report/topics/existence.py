@@ -1,4 +1,7 @@
-"""The section on existence: who recognises that no path exists."""
+"""The section on questions without a path.
+
+Who recognises that no path exists.
+"""
 
 from __future__ import annotations
 
@@ -27,16 +30,19 @@ KINDS = ("presolved", "unasked", *_ANSWERS)
 
 
 def existence(attempts: pd.DataFrame) -> pd.DataFrame:
-    """One row per solver that was asked a question without a path, or that denied a path.
+    """Answers of each solver on existence.
 
-    Columns of `methods_of`; of the questions without a path: presolved, unasked (the solver is not
-    installed), reached (that reached the engine), and of these right, local (a local engine found
-    none near its last point), wrong (a false claim) and silent (no claim); wall_s (median of the
-    attempts that reached the engine, s); of those that have a path: questions, denied (claimed
-    infeasible, locally or not); those of `with_share` for right, local, silent and wrong, shares of
-    `reached`, and for denied, a share of `questions`.
+    One row per solver that was asked a question without a path, or that denied a path. Columns of
+    `methods_of`; of the questions without a path: presolved, unasked (the solver is not installed),
+    reached (that reached the engine), and of these right, local (a local engine found none near its
+    last point), wrong (a false claim) and silent (no claim); wall_s (median of the attempts that
+    reached the engine, s); of those that have a path: questions, denied (claimed infeasible,
+    locally or not); those of `with_share` for right, local, silent and wrong, shares of `reached`,
+    and for denied, a share of `questions`.
     """
-    there, verdict, false = attempts["answerable"], attempts["verdict"], attempts["false_claim"]
+    there = attempts["answerable"]
+    verdict = attempts["verdict"]
+    false = attempts["false_claim"]
     local = attempts["claim"].eq(Claim.LOCALLY_INFEASIBLE)
     conditions = {
         "": there | attempts["left_open"],
@@ -61,7 +67,7 @@ def existence(attempts: pd.DataFrame) -> pd.DataFrame:
     return frame[asked | (frame["denied"] > 0)].reset_index(drop=True)
 
 
-_LEAD = "See who proves that no path exists, who says nothing, and who is wrong."
+_LEAD = "See which solvers prove that no path exists, say nothing, or are wrong."
 _COLUMNS = (
     *columns(question_count, presolved="by presolve"),
     *columns(kind="cell", right_text="right", local_text="locally"),
@@ -77,7 +83,10 @@ _NUMBERS = (
 
 
 def existence_section(results: Results) -> Section | None:
-    """Right, silent and wrong answers where no path exists; paths that are denied."""
+    """The section's tables and its text.
+
+    They have right, silent and wrong answers where no path exists, and paths that are denied.
+    """
     frame = existence(results.attempts)
     if not (frame[["reached", "presolved"]].any(axis=None)):
         return None
@@ -89,44 +98,44 @@ def existence_section(results: Results) -> Section | None:
     return Section("existence", "Where no path exists", text, tuple(tables), _LEAD)
 
 
-# The share of the violation that a step of one radian or radius removes, up to which a point counts
-# as stationary: as exactly as a path must arrive.
+# A point is stationary if a step of one radian or radius removes at most this share of the
+# violation. It is the tolerance with which a path must arrive.
 _STATIONARY = 1e-6
 
 
 def last_points(attempts: pd.DataFrame) -> pd.DataFrame:
-    """By engine and claim: attempts that ended off the points, and how many at a stationary point.
+    """Ends without a path, by engine and claim.
 
-    Stationary: no small change of the unknowns lowers the violation of the equations. Columns
-    engine, claim, ends, with_path (at a question that has a path), stationary, those of
-    `with_share` for it.
+    Attempts that ended off the points, and how many of them at a stationary point. Stationary: no
+    small change of the unknowns lowers the violation of the equations. Columns engine, claim, ends,
+    with_path (at a question that has a path), stationary, those of `with_share` for it.
     """
     ended = attempts[attempts["violation_slope"].notna()]
     stationary = ended["violation_slope"] <= _STATIONARY
-    kept = ended.assign(stationary=stationary, with_path=ended["answerable"])
-    groups = kept.groupby(["engine", "claim"], observed=True)
+    ends = ended.assign(stationary=stationary, with_path=ended["answerable"])
+    groups = ends.groupby(["engine", "claim"], observed=True)
     sums = groups[["with_path", "stationary"]].sum()
     frame = sums.assign(ends=groups.size()).reset_index()
     return with_share(frame, "stationary", frame["stationary"], frame["ends"])
 
 
 def _points_text(points: pd.DataFrame) -> str:
-    """How often local engines' word of their last point is so."""
-    said = points[points["claim"] == Claim.LOCALLY_INFEASIBLE]
-    ends = int(said["ends"].sum())
+    """Share of locally infeasible ends that are stationary."""
+    local = points[points["claim"] == Claim.LOCALLY_INFEASIBLE]
+    ends = int(local["ends"].sum())
     if not ends:
         return ""
     return (
-        f"Local engines called {some(ends, 'last point')} locally infeasible; at "
-        f"{share(said['stationary'].sum() / ends)} no small change lowers what it misses by."
+        f"Local engines called {some(ends, 'last point')} locally infeasible. At "
+        f"{share(local['stationary'].sum() / ends)} of them no small change reduces the miss."
     )
 
 
 def _points_table(points: pd.DataFrame) -> Table:
     caption = (
-        "Where local engines end without a path. Stationary: by the equations' derivatives a step "
-        f"of 1 removes at most {_STATIONARY:g} of the violation. That is what `locally infeasible` "
-        "says; other engines end there too, and have no word for it."
+        "Last points of local engines that return no path. Stationary: by the equations' "
+        f"derivatives a step of 1 removes at most {_STATIONARY:g} of the violation. `Locally "
+        "infeasible` claims this; other engines stop at such points too, but cannot report it."
     )
     shown = (
         *columns(kind="text", engine="engine", claim="it says"),
@@ -138,7 +147,8 @@ def _points_table(points: pd.DataFrame) -> Table:
 
 
 def _text(frame: pd.DataFrame) -> str:
-    reached, presolved = frame["reached"].sum(), frame["presolved"].sum()
+    reached = frame["reached"].sum()
+    presolved = frame["presolved"].sum()
     total = reached + presolved
     names = {"right": "right", "local": "right of the last point alone"}
     names |= {"silent": "silent", "wrong": "wrong"}
@@ -146,13 +156,20 @@ def _text(frame: pd.DataFrame) -> str:
     parts = [f"{text}: {share(sums[name] / max(reached, 1))}" for name, text in names.items()]
     denied = frame[frame["denied"] > 0]
     worst = denied.sort_values("denied_share", kind="stable").tail(1).to_dict("records")
+    by_presolve = ""
+    if presolved:
+        by_presolve = (
+            f"The presolve alone answers {share(presolved / total)} of the questions without a "
+            "path."
+        )
+    by_engines = ""
+    if reached:
+        by_engines = f"Of those that reached an engine, {', '.join(parts)}."
     return sentences(
-        "To recognise that no path exists is another task than to find one; a search that fails "
-        "where there is nothing to find has missed nothing.",
-        f"The presolve alone answers {share(presolved / total)} of the questions without a path."
-        if presolved
-        else "",
-        f"Of those that reached an engine, {', '.join(parts)}." if reached else "",
+        "To recognise that no path exists is another task than to find one. A search that finds "
+        "no path where none exists has not failed.",
+        by_presolve,
+        by_engines,
         *(
             f"{len(denied)} of {len(frame)} solvers call a question infeasible that has a path, "
             f"most often {row['name']}: {share(row['denied_share'])} of "
@@ -164,10 +181,10 @@ def _text(frame: pd.DataFrame) -> str:
 
 def _table(frame: pd.DataFrame) -> Table:
     caption = (
-        "Questions without a path, solver by solver. By presolve: geometry excluded them, and no "
-        "engine was asked. Right: it claims that none exists; locally: that none is near its last "
-        "point; silent: it failed, reached a limit or claims nothing; wrong: it claims a path. "
-        "Denies a path: of the questions that have one. Shares with their 95 % interval (Wilson)."
+        "Questions without a path, solver by solver. By presolve: no engine was asked. Right: it "
+        "claims that no path exists; locally: that no path is near its last point; silent: it "
+        "failed, reached a limit or claims nothing; wrong: it claims a path. Denies a path: of the "
+        "questions that have one. Shares with their 95 % interval (Wilson)."
     )
     bad = frame.assign(wrong_text=frame["wrong"] > 0, denied_text=frame["denied"] > 0)
     return Table(

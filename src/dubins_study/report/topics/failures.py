@@ -1,4 +1,7 @@
-"""The section on failures: what happened, what solvers said, and how to repeat one."""
+"""The section on failures.
+
+What happened, the solvers' messages, and a command that repeats each failure.
+"""
 
 from __future__ import annotations
 
@@ -17,9 +20,9 @@ from dubins_study.study.scenario_frame import solve_command
 # Outcomes of a process that was stopped, and of one that was never called.
 STOPPED = ("timeout", "crashed", "raised", "out_of_memory")
 OUTCOMES = (*STOPPED, "unavailable", "not_asked")
-# What a failure is, the first that holds.
+# Kinds of failures; the first that holds counts.
 KINDS = ("no return", "no path", "misses", "longer")
-# What names an example, in the order in which a plainer one is chosen.
+# Columns that name an example; the plainest example is the first in their order.
 _EXAMPLE = (
     *("warm", "repeat", "distance", "x", "y", "heading", "target_x", "target_y"),
     *("radius", "branch", "profile", "experiment"),
@@ -28,15 +31,19 @@ _SAID = ["solver", "outcome", "claim", "verdict", "message"]
 
 
 def gist(message: str) -> str:
-    """A message without numbers and repetitions, so that similar messages count as one."""
+    """A message without numbers and repetitions.
+
+    Similar messages then count as one.
+    """
     parts = [re.sub(r"\d[\d.]*(?:[eE][+-]?\d+)?", "#", part) for part in message.split("; ")]
     return "; ".join(dict.fromkeys(parts))[:160]
 
 
 def kinds_of(attempts: pd.DataFrame) -> pd.Series[str]:
-    """The first of `KINDS` that holds of each attempt; empty if it has not failed.
+    """The kind of each attempt's failure.
 
-    A failure is an attempt at a question that has a path, without an answer that the check accepts.
+    The first of `KINDS` that holds; empty if the attempt has not failed. A failure is an attempt at
+    a question that has a path, without an answer that the check accepts.
     """
     verdict = attempts["verdict"]
     conditions = {
@@ -50,7 +57,10 @@ def kinds_of(attempts: pd.DataFrame) -> pd.Series[str]:
 
 
 def plainest(attempts: pd.DataFrame, keys: list[str]) -> pd.DataFrame:
-    """The first by `_EXAMPLE` of each group of attempts: cold if there is a cold one."""
+    """The plainest attempt of each group.
+
+    The first by `_EXAMPLE`; cold if the group has a cold one.
+    """
     warm = attempts["initial_guess"].ne("cold")
     dx, dy = (attempts[f"target_{name}"] - attempts[name] for name in "xy")
     placed = attempts.assign(warm=warm, distance=np.sqrt(dx**2 + dy**2) / attempts["radius"])
@@ -58,15 +68,15 @@ def plainest(attempts: pd.DataFrame, keys: list[str]) -> pd.DataFrame:
 
 
 def failures(attempts: pd.DataFrame) -> pd.DataFrame:
-    """Failures counted by outcome, claim, verdict and the gist of the message.
+    """Failures counted by their message.
 
-    Those of stopped processes first, then the largest.
-    Columns: solver, outcome, claim, verdict, message (of the status if there is no message),
-    attempts; those of an example, the first repeat with the nearest target.
+    They are also counted by outcome, claim and verdict. Those of stopped processes first, then the
+    largest. Columns: solver, outcome, claim, verdict, message (of the status if there is no
+    message), attempts; those of an example, the first repeat with the nearest target.
     """
     failed = attempts[kinds_of(attempts) != ""]
-    said = failed["message"].replace("", None).fillna(failed["native_status"]).fillna("")
-    failed = failed.assign(message=said.map({text: gist(text) for text in said.unique()}))
+    messages = failed["message"].replace("", None).fillna(failed["native_status"]).fillna("")
+    failed = failed.assign(message=messages.map({text: gist(text) for text in messages.unique()}))
     sums = failed.groupby(_SAID, dropna=False).size().rename("attempts").reset_index()
     joined = sums.merge(plainest(failed, _SAID), on=_SAID, how="left")
     joined["stopped"] = joined["outcome"].isin(STOPPED)
@@ -75,7 +85,10 @@ def failures(attempts: pd.DataFrame) -> pd.DataFrame:
 
 
 def with_commands(table: pd.DataFrame) -> pd.DataFrame:
-    """The table of `failures` with `command`: what repeats the example, under its limit (s)."""
+    """The table of `failures` with a column `command`.
+
+    The command repeats the example, under its limit (s).
+    """
     limits = table["limit_s"].astype(object).where(table["limit_s"].notna(), None)
     lines = table.assign(time_limit_s=limits).to_dict("records")
     return table.assign(command=[solve_command(line) for line in lines])
@@ -86,13 +99,16 @@ _TITLE = "Failures"
 _KIND_TEXT = {
     "no return": "did not return",
     "no path": "returned without a path",
-    "misses": "brought a path that misses the target",
-    "longer": "brought a longer path",
+    "misses": "returned a path that misses the target",
+    "longer": "returned a longer path",
 }
 
 
 def failures_section(results: Results | None) -> Section:
-    """Failures by message, with commands; results are None of an empty run."""
+    """Failures by message, with commands.
+
+    The results of an empty run are None.
+    """
     untaken = "" if results is None else _untaken_text(results.untaken)
     if results is None or results.rows.empty:
         lead = "No attempt was recorded, so nothing is known to have failed."
@@ -100,20 +116,24 @@ def failures_section(results: Results | None) -> Section:
     attempts = results.attempts
     lost = attempts["outcome"].value_counts().reindex(OUTCOMES, fill_value=0)
     kinds = kinds_of(attempts).value_counts().reindex(KINDS, fill_value=0)
-    asked, failed = int(attempts["answerable"].sum()), int(kinds.sum())
+    asked = int(attempts["answerable"].sum())
+    failed = int(kinds.sum())
     blocks: list[Table] = []
     if failed:
         messages = failures(attempts).head(_MOST).reset_index(drop=True)
         blocks.append(_message_table(with_commands(messages)))
     lead = "Nothing failed."
     if failed or lost.any():
-        lead = "See what was said of failures; the command beside it repeats one of them."
+        lead = "Read the messages of failures; the command beside each repeats one."
     text = sentences(_lost_text(lost, len(attempts)), _failed_text(kinds, asked), untaken)
     return Section("failures", _TITLE, text, tuple(blocks), lead)
 
 
 def _lost_text(lost: pd.Series[int], total: int) -> str:
-    """How many attempts did not return, and why; empty if all did."""
+    """How many attempts did not return, by reason.
+
+    The text is empty if all returned.
+    """
     if not lost.any():
         return ""
     parts = [f"{count(n)} {str(name).replace('_', ' ')}" for name, n in lost.items() if n]
@@ -121,27 +141,32 @@ def _lost_text(lost: pd.Series[int], total: int) -> str:
 
 
 def _failed_text(kinds: pd.Series[int], asked: int) -> str:
-    """How many attempts at questions with a path failed, by kind; empty if none did."""
+    """How many attempts failed, by kind.
+
+    The questions have a path; the text is empty if none failed.
+    """
     failed = kinds.sum()
     if not failed:
         return ""
     parts = [f"{count(n)} {_KIND_TEXT[str(kind)]}" for kind, n in kinds.items() if n]
     return (
         f"Of {some(asked, 'attempt')} at questions that have a path, {count(failed)} failed "
-        f"({share(failed / asked)}): {', '.join(parts)}. An attempt that found none where no path "
-        "exists has not failed."
+        f"({share(failed / asked)}): {', '.join(parts)}. Where no path exists, an attempt without "
+        "a path has not failed."
     )
 
 
 def _untaken_text(untaken: pd.DataFrame) -> str:
-    """How many questions solvers do not take, which are no attempts."""
+    """How many questions the solvers do not take.
+
+    Such questions are no attempts.
+    """
     if untaken.empty:
         return ""
     most = untaken.groupby("solver").size().idxmax()
     return (
-        f"{some(len(untaken), 'more question')} met a solver that does not take "
-        f"them (unsupported), most often {most}: it was not called, and no "
-        "share counts them."
+        f"{some(len(untaken), 'more question')} were for a solver that does not take them "
+        f"(unsupported), most often {most}. No share counts them."
     )
 
 
@@ -154,9 +179,9 @@ def _message_table(table: pd.DataFrame) -> Table:
         *columns(kind="command", command="ask again"),
     )
     caption = (
-        f"Failures by what was said of them (# stands for a number), at most {_MOST} lines: first "
-        "those of stopped processes, then the most frequent. The command repeats one of them, cold "
-        "and at the nearest target, under the time limit of its run."
+        f"Failures by message (# stands for a number), at most {_MOST} lines: stopped processes "
+        "first, then the most frequent. The command repeats one of them, cold and at the nearest "
+        "target, under the time limit of its run."
     )
     return Table("failures", caption, table, shown, numbers=("experiment",), dense=True)
 

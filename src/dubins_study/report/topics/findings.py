@@ -1,4 +1,7 @@
-"""What the study found: sentences to act on, each computed from the rows."""
+"""Findings: sentences to act on.
+
+Each is computed from the rows.
+"""
 
 from __future__ import annotations
 
@@ -27,7 +30,8 @@ from dubins_study.report.topics.findings_routes import growth, proof_of_routes, 
 from dubins_study.report.topics.findings_tours import grid_optima
 from dubins_study.study.kinds.table import BRANCHES_WITHOUT_PATH
 
-WORDS, JOINT = "one NLP a word", "joint NLP, both orders"
+WORDS = "one NLP a word"
+JOINT = "joint NLP, both orders"
 RANKS = "Comparison of methods: means and ranks"
 MATRIX = "Formulation by engine"
 # Initial guesses in a sentence.
@@ -40,53 +44,58 @@ _FROM = {
 
 
 def words_against_joint(evidence: Evidence) -> Finding | None:
-    """One problem a word against the joint model, guess by guess.
+    """One problem a word against the joint model.
 
-    Engine by engine; both of a pair are presolved, or neither. Of one leg alone: a route's words
-    come from a dynamic program with the closed form, so that the two know and begin unlike. The
-    guess with the largest clear difference heads the sentence, the others follow.
+    Guess by guess. Engine by engine; both of a pair are presolved, or neither. Of one leg alone: a
+    route's words come from a dynamic program with the closed form, so that the two know and begin
+    unlike. The guess with the largest clear difference heads the sentence, the others follow.
     """
     same = ["engine", "guess", "guesses", "presolve", "settings"]
     kinds: dict[str, list[Pair]] = {}
     for pair in evidence.pairs(same, "formulation", WORDS, JOINT):
         guess = str(evidence.methods["guess"][pair[0]])
         kinds.setdefault(_FROM.get(guess, guess), []).append(pair)
-    known: dict[str, Estimate] = {}
+    differences: dict[str, Estimate] = {}
     for guess, pairs in kinds.items():
         points = _points(evidence, pairs, len(kinds))
         if points is not None:
-            known[guess] = points
-    clear = [guess for guess, points in known.items() if points.is_clear()]
+            differences[guess] = points
+    clear = [guess for guess, points in differences.items() if points.is_clear()]
     if not clear:
         return None
-    head = max(clear, key=lambda guess: abs(known[guess].value))
-    better, worse = "one problem a word", "the joint model"
-    if known[head].value < 0:
+    head = max(clear, key=lambda guess: abs(differences[guess].value))
+    better = "one problem a word"
+    worse = "the joint model"
+    if differences[head].value < 0:
         better, worse = worse, better
-        known = {guess: points.turned() for guess, points in known.items()}
+        differences = {guess: points.turned() for guess, points in differences.items()}
         kinds[head] = [pair[::-1] for pair in kinds[head]]
     others = []
-    for guess, points in known.items():
+    for guess, points in differences.items():
         if guess != head:
-            undecided = "" if points.is_clear() else ", which is not decided"
+            undecided = "" if points.is_clear() else " (undecided)"
             others.append(f"from {guess} {points.text()}{undecided}")
     return _in_pairs(
         evidence,
         kinds[head],
-        known[head],
-        f"Pose {better}: from {head}, the same engines are right on {known[head].text()} "
-        f"percentage points more of the questions than with {worse}.",
+        differences[head],
+        f"Pose {better}: from {head}, it raises the same engines' share right by "
+        f"{differences[head].text()} percentage points over {worse}.",
         others,
     )
 
 
 def blind_start(evidence: Evidence) -> Finding | None:
-    """One guess toward the points against a straight line: same engine, formulation, settings."""
+    """One guess toward the points against a straight line.
+
+    Engine, formulation and settings are the same.
+    """
     pairs = evidence.pairs(["formulation", "engine", "settings"], "guess", "one", "straight")
     points = _points(evidence, pairs)
     if points is None or not points.is_clear():
         return None
-    better, worse = _FROM["one"], _FROM["straight"]
+    better = _FROM["one"]
+    worse = _FROM["straight"]
     if points.value < 0:
         better, worse = worse, better
         points = points.turned()
@@ -95,22 +104,26 @@ def blind_start(evidence: Evidence) -> Finding | None:
         evidence,
         pairs,
         points,
-        f"Begin from {better}: from {worse} the same engines are right on {points.text()} "
-        "percentage points fewer of the questions.",
+        f"Begin from {better}: this raises the same engines' share right by {points.text()} "
+        f"percentage points over {worse}.",
     )
 
 
 def _apart(evidence: Evidence, pairs: list[Pair]) -> pd.DataFrame:
-    """By how many percentage points the first of each pair is right more often: by question."""
+    """Differences of shares right, by question and pair.
+
+    They are the percentage points by which the first of each pair is right more often.
+    """
     rates = evidence.rates
     apart = {first: 100 * (rates[first] - rates[second]) for first, second in pairs}
     return pd.DataFrame(apart, rates.index)
 
 
 def _points(evidence: Evidence, pairs: list[Pair], of: int = 1) -> Estimate | None:
-    """The mean of `_apart` over pairs and questions, with an interval over scenarios and engines.
+    """The mean of `_apart` over pairs and questions.
 
-    If it is one of several, the interval is that of all at once.
+    Its interval is over scenarios and engines. If it is one of several, the interval is that of all
+    at once.
     """
     return evidence.estimate_over_engines(_apart(evidence, pairs), of)
 
@@ -122,9 +135,10 @@ def _in_pairs(
     sentence: str,
     others: Sequence[str] = (),
 ) -> Finding:
-    """A finding on pairs, of which the first is right more often: by `points`.
+    """A finding on pairs of methods.
 
-    It says what `others` say, and how far the pairs, or the formulations, differ among themselves.
+    The first of each pair is right more often: by `points`. It says what `others` say, and how far
+    the pairs, or the formulations, differ among themselves.
     """
     each = _apart(evidence, pairs).mean()
     by = each.groupby(evidence.methods["formulation"][each.index]).mean()
@@ -142,7 +156,10 @@ def _in_pairs(
 
 
 def presolve_pairs(methods: pd.DataFrame) -> list[Pair]:
-    """(without, with): solvers that differ in the setting `presolve` alone."""
+    """Pairs of solvers (without presolve, with presolve).
+
+    Their specs differ in the setting `presolve` alone.
+    """
     alike: dict[object, dict[bool, str]] = {}
     for spec in methods.index:
         name, settings = parse_spec(spec)
@@ -152,7 +169,10 @@ def presolve_pairs(methods: pd.DataFrame) -> list[Pair]:
 
 
 def presolve(evidence: Evidence) -> Finding | None:
-    """What dropping words by geometry divides the evaluations by, in all and method by method."""
+    """The evaluations that dropping words by geometry saves.
+
+    The factor over all methods, and method by method.
+    """
     table = evaluations(evidence.compared).replace(np.inf, np.nan)
     ratios = pd.DataFrame(index=table.index)
     for off, on in presolve_pairs(evidence.methods):
@@ -173,7 +193,7 @@ def presolve(evidence: Evidence) -> Finding | None:
         if each is not None:
             parts.append(f"{each.text()} with {evidence.name(str(solver))}")
     return Finding(
-        "Drop the words that geometry excludes before any engine is called: that divides the "
+        "Drop the words that geometry excludes before you call an engine: this divides the "
         f"evaluations of a question by {factor.text()}.",
         factor,
         f"{some(factor.questions, 'question')} with a path; geometric mean of "
@@ -183,7 +203,7 @@ def presolve(evidence: Evidence) -> Finding | None:
 
 
 def price_of_proof(evidence: Evidence) -> Finding | None:
-    """The best method that proves its answers against the best that does not."""
+    """The best method with proof against the best without."""
     ranked = evidence.ranked
     proves = ranked.index.isin(evidence.provers)
     if not proves.any() or proves.all():
@@ -195,14 +215,14 @@ def price_of_proof(evidence: Evidence) -> Finding | None:
     right = evidence.share_of(evidence.rates.loc[proven, local])
     if ratio is None or right is None or not ratio.low > 1 or ratio.questions < ENOUGH_TO_CHOOSE:
         return None
-    known = evidence.knows(local)
-    knows = f" and knows {' and '.join(known.split())}" if known else ""
+    words_known = evidence.knows(local)
+    knows = f" and knows {' and '.join(words_known.split())}" if words_known else ""
     return Finding(
         "Buy a proof only where errors cost more than time: "
         f"{evidence.name(prover)} takes {ratio.text()} times as long as {evidence.name(local)}.",
         ratio,
-        f"{evidence.medians_of(prover, local)}; the fastest with and without a proof. The latter "
-        f"is right on {right.percent_text()} of what the other answers{knows}",
+        f"{evidence.medians_of(prover, local)}; the fastest methods with and without a proof. The "
+        f"method without one is right on {right.percent_text()} of the proved questions{knows}",
         RANKS,
     )
 
@@ -220,24 +240,28 @@ FINDINGS: tuple[Callable[[Evidence], Finding | None], ...] = (
 
 
 def findings_section(results: Results) -> Section | None:
-    """Sentences to act on, each computed from the rows; None if the rows carry none."""
-    every = _found(results)
+    """Sentences to act on; None if there are none.
+
+    Each is computed from the rows.
+    """
+    every = _findings(results)
     if not every:
         return None
     text = (
-        "Every finding is computed from the results, and rests on at least "
-        f"{ENOUGH} questions. The intervals of all sentences hold at once with 95 %, and a "
-        "difference is said only where its interval leaves out that there is none."
+        f"Every finding is computed from the results of at least {ENOUGH} questions. The "
+        "intervals of all sentences hold at once with 95 %. A difference is reported only if its "
+        "interval excludes zero difference."
     )
-    lead = f"Read {some(len(every), 'sentence')} to act on, what matters most first."
+    lead = f"Read {some(len(every), 'sentence')} to act on, the most important first."
     return Section("findings", "What the study found", text, (_table(every),), lead)
 
 
-def _found(results: Results) -> list[Finding]:
-    """The findings of each experiment apart, which they name where there are several.
+def _findings(results: Results) -> list[Finding]:
+    """The findings of each experiment.
 
-    Their intervals are corrected for all that could be found: each of `FINDINGS` in each
-    experiment. Not of frozen problems, which have a section of their own.
+    A finding names its experiment where there are several. Their intervals are corrected for all
+    that could be found: each of `FINDINGS` in each experiment. Not of frozen problems, which have a
+    section of their own.
     """
     paths = results.attempts[~results.attempts["branch"].isin(BRANCHES_WITHOUT_PATH)]
     asked = set(paths["experiment"])
@@ -265,10 +289,9 @@ def _table(findings: list[Finding]) -> Table:
         *columns(kind="section", shown_in="shown in"),
     )
     caption = (
-        "Intervals: of shares Wilson's, of all others by bootstrap over scenarios, over engines "
-        "too where none is named. They are corrected for the number of possible sentences "
-        "(Bonferroni). A ratio of times divides medians over the questions that both answer, of "
-        "routes geometric means."
+        "Intervals: Wilson's for shares, else a bootstrap over scenarios, and over engines if none "
+        "is named; corrected for all possible sentences (Bonferroni). A ratio of times divides "
+        "medians over the questions that both answer. On routes it divides geometric means."
     )
     return Table("findings", caption, pd.DataFrame(findings), shown, stacked=True)
 

@@ -1,4 +1,7 @@
-"""The tables that findings are computed from, each made once; estimates with their intervals."""
+"""The tables from which findings are computed.
+
+Each table is made once; estimates have their intervals.
+"""
 
 from __future__ import annotations
 
@@ -25,15 +28,18 @@ from dubins_study.report.topics.comparison import (
 )
 from dubins_study.study.words import SAME_CODE
 
-# Fewer questions than this carry no finding: a bootstrap of so few scenarios is no guide.
+# Findings need at least this many questions: a bootstrap of fewer scenarios is unreliable.
 ENOUGH = 20
 
-_MOST_FLOOR = 0.5  # of a time that is compared
-_TWO = digits(2)  # times are of one machine, with a neighbour
+_MOST_FLOOR = 0.5  # largest share of the floor in a time that is compared
+_TWO = digits(2)  # digits: another process shared the machine that took the times
 
 
 class Estimate(NamedTuple):
-    """A number, the ends of its 95 % interval, and how many questions it is of."""
+    """A number with its 95 % interval.
+
+    `questions` is the number of questions behind it.
+    """
 
     value: float
     low: float
@@ -49,19 +55,22 @@ class Estimate(NamedTuple):
         return not self.low <= none <= self.high
 
     def turned(self) -> Estimate:
-        """That of the difference the other way round."""
+        """The estimate of the opposite difference."""
         return Estimate(-self.value, -self.high, -self.low, self.questions)
 
     def percent_text(self) -> str:
-        """A share in per cent and its interval: `25.0 % (21.0 to 34.2)`."""
+        """A share in per cent and its interval.
+
+        An example is `25.0 % (21.0 to 34.2)`.
+        """
         return self.text(share)
 
 
 class Finding(NamedTuple):
-    """A sentence that a practitioner can act on, with one number and its interval in it.
+    """A sentence that a practitioner can act on.
 
-    `question` says what was asked, of how many questions and methods, and what else the rows say;
-    `shown_in` names the section, and the table or figure, that shows it.
+    It has one number with its interval. `question` gives the numbers of questions and methods, and
+    further facts of the rows; `shown_in` names the section, and the table or figure, that shows it.
     """
 
     sentence: str
@@ -71,7 +80,10 @@ class Finding(NamedTuple):
 
 
 def estimate_of(intervals: pd.DataFrame, questions: int) -> Estimate:
-    """The first row of a frame whose columns are a number and the ends of its interval."""
+    """The estimate in the first row of a frame.
+
+    The columns are a number and the ends of its interval.
+    """
     value, low, high = intervals.iloc[0].tolist()
     return Estimate(value, low, high, questions)
 
@@ -89,12 +101,12 @@ Pair = tuple[str, str]
 
 
 class Evidence:
-    """Tables of the engines' attempts at questions with a path.
+    """Tables of engines' attempts where a path exists.
 
     Args:
         compared: the attempts.
-        of: of how many findings an estimate is one: their intervals all hold at once.
-        settings: of each solver, those left out of its spec too.
+        of: number of findings whose intervals all hold at once.
+        settings: all settings of each solver, also those left out of its spec.
     """
 
     def __init__(
@@ -108,25 +120,37 @@ class Evidence:
 
     @cached_property
     def rates(self) -> pd.DataFrame:
-        """Share of right repeats: questions by solvers; NaN where the solver was not asked."""
+        """Shares of right repeats, questions by solvers.
+
+        NaN where the solver was not asked.
+        """
         rows = self.compared.answerable
         right = rows["right"].astype(float)
         return right.groupby([rows["question"], rows["solver"]]).mean().unstack()
 
     @cached_property
     def ranked(self) -> pd.DataFrame:
-        """The methods in the order of their mean times, failures at the limit; may be empty."""
-        return mean_ranks(self.compared)[0]
+        """The methods, ranked by their mean times.
+
+        Failures count as the limit; may be empty.
+        """
+        return mean_ranks(self.compared).methods
 
     @cached_property
     def claims(self) -> pd.DataFrame:
-        """All claims of engines, those at questions without a path too."""
+        """All claims of engines.
+
+        Questions without a path count, too.
+        """
         rows = claims(self.compared)
         return rows[rows["solver"] != EXACT]
 
     @cached_property
     def provers(self) -> list[str]:
-        """Solvers that claim optimality or give a bound, in the order of tables."""
+        """Solvers that claim optimality or give a bound.
+
+        They are in the order of tables.
+        """
         proof = self.claims["claim"].eq("optimal") | self.claims["lower_bound"].notna()
         proves = self.methods.index.isin(self.claims.loc[proof, "solver"])
         return self.methods.index[proves].tolist()
@@ -136,25 +160,37 @@ class Evidence:
         return str(self.methods["name"][solver])
 
     def knows(self, solver: str) -> str:
-        """What a method knows of the answer, in the words of the column `knows`."""
+        """The knowledge that a method is given.
+
+        The words are those of the column `knows`.
+        """
         return str(self.methods["knows"].fillna("")[solver])
 
     @cached_property
     def usual(self) -> pd.DataFrame:
-        """The methods that met nearly all questions; the others would compare the questions."""
+        """The methods that met nearly all questions.
+
+        Other methods would compare the questions.
+        """
         return self.met_most(self.compared.answerable)
 
     def met_most(self, rows: pd.DataFrame) -> pd.DataFrame:
-        """The methods that met nearly all questions of some attempts."""
-        met = rows.groupby("solver", observed=True)["question"].nunique()
-        share = met.reindex(self.methods.index).fillna(0.0) / max(rows["question"].nunique(), 1)
+        """The methods that met nearly all of these questions.
+
+        The questions are those of the rows.
+        """
+        questions_met = rows.groupby("solver", observed=True)["question"].nunique()
+        share = questions_met.reindex(self.methods.index).fillna(0.0) / max(
+            rows["question"].nunique(), 1
+        )
         return self.methods[share >= ENOUGH_ASKED]
 
     @cached_property
     def at_floor(self) -> list[str]:
-        """Solvers of whose median time more than half is what their engines take for nothing.
+        """Solvers whose time is mostly the floor.
 
-        That is the floor, as often as the engine was called. No sentence compares their times.
+        The floor, which counts as often as the engine was called, is more than half of their median
+        time. No sentence compares their times.
         """
         rows = self.compared.answerable
         runs = rows["subproblem_runs"].map(np.sum, na_action="ignore").astype(np.float64)
@@ -163,9 +199,10 @@ class Evidence:
         return parts.index[parts > _MOST_FLOOR].tolist()
 
     def pairs(self, same: list[str], differs: str, value: str, other: str) -> list[Pair]:
-        """Solvers that agree in some columns: the first with one value, the second with another.
+        """Pairs of solvers that differ in one column.
 
-        The first solver of each kind in the order of tables is taken.
+        They agree in the columns `same`: the first has one value, the second another. The first
+        solver of each kind in the order of tables is taken.
         """
         kinds = self.usual.dropna(subset=same).reset_index().drop_duplicates([*same, differs])
         first = kinds[kinds[differs] == value]
@@ -174,7 +211,10 @@ class Evidence:
         return list(zip(both["solver_x"], both["solver_y"], strict=True))
 
     def median(self, values: pd.Series[float]) -> Estimate | None:
-        """The median over questions; None if fewer than `ENOUGH` have a value."""
+        """The median over questions.
+
+        None if fewer than `ENOUGH` have a value.
+        """
         known = values.dropna().to_frame("value")
         if len(known) < ENOUGH:
             return None
@@ -182,11 +222,11 @@ class Evidence:
         return estimate_of(ends, len(known))
 
     def estimate_over_engines(self, table: pd.DataFrame, of: int = 1) -> Estimate | None:
-        """The mean of a table, questions by solvers, with an interval over scenarios and engines.
+        """The mean of a table of questions by solvers.
 
-        Engines that are one code are one unit. The interval holds the means without any one of
-        them. If the mean is one of several, the interval is that of all at once. None if fewer than
-        `ENOUGH` questions have a value.
+        Its interval is over scenarios and engines. Engines that are one code are one unit. The
+        interval holds the means without any one of them. If the mean is one of several, the
+        interval is that of all at once. None if fewer than `ENOUGH` questions have a value.
         """
         known = table.dropna(how="all")
         if len(known) < ENOUGH:
@@ -197,20 +237,25 @@ class Evidence:
         whole = estimate_of(frame, len(known))
         without = [known.loc[:, (codes != code).to_numpy()] for code in codes.unique()]
         means = [np.nanmean(part) for part in without if part.notna().any(axis=None)]
-        low, high = min([whole.low, *means]), max([whole.high, *means])
+        low = min([whole.low, *means])
+        high = max([whole.high, *means])
         return whole._replace(low=float(low), high=float(high))
 
     def share_of(self, rates: pd.Series[float]) -> Estimate | None:
-        """The mean of rates, with Wilson's interval for as many trials as questions."""
+        """The mean of rates, with Wilson's interval.
+
+        It has as many trials as there are questions.
+        """
         known = rates.dropna()
         if len(known) < ENOUGH:
             return None
         return chosen_share(float(known.mean()), len(known), self.of)
 
     def time_ratio(self, solver: str, base: str) -> Estimate | None:
-        """Median time of a solver over that of another, where both are right.
+        """The ratio of two solvers' median times.
 
-        Of each question the median over its repeats counts.
+        Over the questions on which both are right; a question counts by the median over its
+        repeats.
         """
         timed = set(times(self.compared).columns) - set(self.at_floor)
         if not {solver, base} <= timed:
@@ -222,7 +267,10 @@ class Evidence:
         return estimate_of(ratios.loc[[solver]], len(both))
 
     def medians_of(self, solver: str, base: str) -> str:
-        """The two medians that `time_ratio` divides: `12 questions that both answer, ...`."""
+        """The two medians that `time_ratio` divides.
+
+        A text: `12 questions that both answer, ...`.
+        """
         both = self._both_right(solver, base)
         medians_text = " and ".join(map(seconds, both.median()))
         return f"{some(len(both), 'question')} that both answer, medians {medians_text}"

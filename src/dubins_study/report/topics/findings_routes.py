@@ -1,4 +1,7 @@
-"""What the study found of routes: what a proof costs, where engines stop, how times grow."""
+"""Findings on routes.
+
+The price of a proof, where engines stop, and how times grow.
+"""
 
 from __future__ import annotations
 
@@ -8,7 +11,7 @@ import pandas as pd
 from dubins_study.report.data.attempts import ENOUGH_TO_CHOOSE, EXACT, legs_of
 from dubins_study.report.elements.formats import seconds, some
 from dubins_study.report.statistics.intervals import geometric_means
-from dubins_study.report.statistics.methods import surest_first
+from dubins_study.report.statistics.methods import by_support
 from dubins_study.report.topics.findings_evidence import (
     ENOUGH,
     Estimate,
@@ -20,61 +23,75 @@ from dubins_study.report.topics.findings_evidence import (
 from dubins_study.report.topics.routes import TITLE
 from dubins_study.study.arrays import FloatArray
 
-_LONG = 5  # legs from which engines are asked where they stop
-_SIZES = 4  # numbers of legs that an exponent is of, at least
+_LONG = 5  # legs, at least, of the routes on which engines stop
+_SIZES = 4  # an exponent needs at least this many numbers of legs
 _AT_ENDS = 20  # routes of the least and of the largest number of legs, at least
 _BEND = 10  # legs; on shorter routes a call costs more than its legs, which bends the line
-_RESAMPLES, _SEED = 20_000, 0
+_RESAMPLES = 20_000
+_SEED = 0
 
 
 def routes_of(evidence: Evidence) -> pd.DataFrame:
-    """The attempts at routes of at least two legs that are not left open, with a column legs."""
+    """The attempts at routes that are not open.
+
+    Routes of at least two legs; with a column legs.
+    """
     return _of_several_legs(evidence.compared.answerable)
 
 
-def _surest(evidence: Evidence, rows: pd.DataFrame) -> pd.DataFrame:
-    """Engines that met nearly all questions, the most surely right first: `scenario_shares`."""
+def _by_support(evidence: Evidence, rows: pd.DataFrame) -> pd.DataFrame:
+    """Engines by support, the best supported first.
+
+    Only engines that met nearly all questions count: see `scenario_shares`.
+    """
     engines = rows[rows["solver"].isin(evidence.met_most(rows).index)]
-    return surest_first(engines, ["solver"])
+    return by_support(engines, ["solver"])
 
 
 def _named(evidence: Evidence, *solvers: str) -> str:
-    """The names of engines' methods, and whether the words are known to all of them."""
-    given = all("words" in evidence.knows(solver).split() for solver in solvers)
+    """The names of engines' methods.
+
+    The text says if the words are known to all of them.
+    """
+    words_given = all("words" in evidence.knows(solver).split() for solver in solvers)
     names = " and ".join(map(evidence.name, solvers))
-    return f"{names} (given the words)" if given else names
+    return f"{names} (given the words)" if words_given else names
 
 
 def _search(evidence: Evidence) -> pd.DataFrame:
-    """The search's attempts at routes of at least two legs, the undecided ones too."""
+    """The search's attempts at routes.
+
+    Routes of at least two legs, the undecided ones too.
+    """
     rows = evidence.compared.rows
     return _of_several_legs(rows[rows["solver"] == EXACT])
 
 
 def _of_several_legs(rows: pd.DataFrame) -> pd.DataFrame:
-    """The attempts at routes of at least two legs, with a column legs."""
+    """Attempts at routes of several legs, with their number."""
     legs = legs_of(rows)
     return rows.assign(legs=legs)[legs > 1]
 
 
 def _closed(rows: pd.DataFrame) -> pd.Series[bool]:
-    """Whether each attempt of the search is right and proved."""
+    """Whether the search's attempts are right and proved."""
     return rows["right"] & rows["claim"].eq("optimal")
 
 
 def proof_of_routes(evidence: Evidence) -> Finding | None:
-    """How many routes the search proves, and its time beside the surest engine without proofs.
+    """How many routes the search proves.
 
-    Of several engines that are as sure the fastest counts, spacing by spacing.
+    The finding also compares its time with the best-supported engine without proofs, for each
+    spacing. If several engines have equal support, the fastest counts.
     """
     rows = routes_of(evidence)
-    own = _search(evidence)
-    surest = _surest(evidence, rows[~rows["solver"].isin(evidence.provers)])
-    if own.empty or surest.empty:
+    search = _search(evidence)
+    ranked = _by_support(evidence, rows[~rows["solver"].isin(evidence.provers)])
+    if search.empty or ranked.empty:
         return None
-    line = surest.iloc[0]
-    names = surest.index[surest["low"] == line["low"]].tolist()
-    proved = evidence.share_of(_closed(own).astype(float).groupby(own["question"]).mean())
+    line = ranked.iloc[0]
+    names = ranked.index[ranked["low"] == line["low"]].tolist()
+    proved = evidence.share_of(_closed(search).astype(float).groupby(search["question"]).mean())
     right = rows[rows["right"]]
     times = right.pivot_table(index="question", columns="solver", values="wall_s", observed=True)
     both = times.reindex(columns=[EXACT, *names]).dropna()
@@ -85,13 +102,13 @@ def proof_of_routes(evidence: Evidence) -> Finding | None:
     ratios: list[Estimate] = []
     compared: list[str] = []
     left_out: list[str] = []
-    label = own.groupby("question")["label"].first()
+    label = search.groupby("question")["label"].first()
     for spacing in label.unique():
         part = both[label.reindex(both.index) == spacing]
         if len(part) < ENOUGH:
             left_out.append(f"{some(len(part), 'route')} with {spacing}")
             continue
-        # times are compared, and the ratio is had, by geometric means
+        # geometric means choose the fastest engine and give the ratio
         fastest = np.log(part[names]).mean().idxmin()
         means = geometric_means(0.0)
         each = evidence.compared.bootstrap(part, means, "value", fastest, of=evidence.of)
@@ -103,61 +120,66 @@ def proof_of_routes(evidence: Evidence) -> Finding | None:
         )
     if not any(ratio.is_clear(1.0) for ratio in ratios):
         return None
-    rival = chosen_share(line["share"], int(line["trials"]), len(surest) * evidence.of)
-    most = own["legs"].max()
-    longest = own.loc[own["legs"] == most, "wall_s"].median()
+    rival = chosen_share(line["share"], int(line["trials"]), len(ranked) * evidence.of)
+    most = search["legs"].max()
+    longest = search.loc[search["legs"] == most, "wall_s"].median()
     rest = f"; too few to compare: {', '.join(left_out)}" if left_out else ""
     return Finding(
-        f"Use the search for a route: it proves {proved.percent_text()} of those of 2 to {most} "
-        "legs within its limit.",
+        f"Use the search for a route: within its limit it proves {proved.percent_text()} of the "
+        f"routes of 2 to {most} legs.",
         proved,
-        f"{some(proved.questions, 'route')}; those of {most} legs take it {seconds(longest)}. Of "
-        f"engines without a proof {_named(evidence, *names)} find most, {rival.percent_text()}. "
-        f"Where all are right, the search takes {' and '.join(compared)}{rest}",
+        f"{some(proved.questions, 'route')}; with {most} legs the search takes {seconds(longest)}. "
+        f"The best supported without a proof: {_named(evidence, *names)}, right on "
+        f"{rival.percent_text()}. Where all are right, the search takes "
+        f"{' and '.join(compared)}{rest}",
         TITLE,
     )
 
 
 def where_engines_stop(evidence: Evidence) -> Finding | None:
-    """Of the kind of routes that is hardest to engines, the share that the surest finds."""
+    """How often engines solve the hardest routes.
+
+    The share of the best-supported engine, for the kind of routes that is hardest to engines.
+    """
     rows = routes_of(evidence)
     rows = rows[rows["legs"] >= _LONG]
     hardest: dict[str, Estimate] = {}
     for label, of_label in rows.groupby("label"):
-        surest = _surest(evidence, of_label)
-        if len(surest) and surest["trials"].iloc[0] >= ENOUGH:
-            line = surest.iloc[0]
-            several = len(surest) * rows["label"].nunique() * evidence.of
+        ranked = _by_support(evidence, of_label)
+        if len(ranked) and ranked["trials"].iloc[0] >= ENOUGH:
+            line = ranked.iloc[0]
+            several = len(ranked) * rows["label"].nunique() * evidence.of
             hardest[str(label)] = chosen_share(line["share"], int(line["trials"]), several)
     if not hardest:
         return None
     label = min(hardest, key=hardest.__getitem__)
     share = hardest[label]
     chosen = rows[rows["label"] == label]
-    surest = _surest(evidence, chosen)
+    ranked = _by_support(evidence, chosen)
     search = _search(evidence)
     proved = _closed(search[(search["label"] == label) & (search["legs"] >= _LONG)])
     if proved.empty or not proved.mean() > share.high:
         return None
     legs = f"{chosen['legs'].min()} to {chosen['legs'].max()} legs"
     enough = share.questions >= ENOUGH_TO_CHOOSE
-    named = f", {_named(evidence, surest.index[0])}," if enough else ""
+    named = f", {_named(evidence, ranked.index[0])}," if enough else ""
     routes = some(share.questions, "route")
     return Finding(
         f"Do not trust an engine alone with routes of many {label}: the best supported finds the "
         f"shortest on {share.percent_text()}.",
         share,
-        f"{routes} of {legs}; the best supported{named} of {some(len(surest), 'method')}; the "
+        f"{routes} of {legs}; the best supported{named} of {some(len(ranked), 'method')}; the "
         f"search proves {proved.sum()} of {len(proved)}",
         TITLE,
     )
 
 
 def growth(evidence: Evidence) -> Finding | None:
-    """With which power of the number of legs times grow: the least and the largest.
+    """How times grow with the number of legs.
 
-    Of methods that are right on most routes of each of at least four sizes, all of one label. An
-    attempt that a limit ended counts as failed: its time is the limit's.
+    The least and the largest power of the number of legs. Of methods that are right on most routes
+    of each of at least four sizes, all of one label. An attempt that a limit ended counts as
+    failed: its time is the limit's.
     """
     rows = routes_of(evidence)
     if rows.empty:
@@ -168,36 +190,42 @@ def growth(evidence: Evidence) -> Finding | None:
     answered: dict[str, pd.DataFrame] = {}
     usual = evidence.met_most(rows).index
     for solver in [EXACT, *usual.difference(evidence.at_floor, sort=False)]:
-        mine = rows[rows["solver"] == solver]
-        done = mine["right"] & mine["claim"].ne("limit")
-        share = done.groupby(mine["legs"]).mean()
+        solver_rows = rows[rows["solver"] == solver]
+        done = solver_rows["right"] & solver_rows["claim"].ne("limit")
+        share = done.groupby(solver_rows["legs"]).mean()
         sizes = share.index[share > 0.5]
         if len(sizes) < _SIZES or sizes.max() < largest:
             continue
-        routes = mine[done & mine["legs"].isin(sizes)]
+        routes = solver_rows[done & solver_rows["legs"].isin(sizes)]
         at_ends = routes.groupby("legs")["question"].nunique()[[sizes.min(), largest]]
         if at_ends.min() >= _AT_ENDS:
             answered[solver] = routes
     several = len(answered) * evidence.of
     powers = {
-        solver: exponent(mine["legs"].to_numpy(float), mine["wall_s"].to_numpy(), several)
-        for solver, mine in answered.items()
+        solver: exponent(
+            solver_rows["legs"].to_numpy(float), solver_rows["wall_s"].to_numpy(), several
+        )
+        for solver, solver_rows in answered.items()
     }
     if len(powers) < 2:
         return None
-    least, most = (extreme(powers, key=powers.__getitem__) for extreme in (min, max))
+    least = min(powers, key=powers.__getitem__)
+    most = max(powers, key=powers.__getitem__)
     power = powers[most]
     if power.questions < ENOUGH or not powers[least].high < power.low:
         return None
 
     def named(solver: str) -> str:
-        """A solver, and its median times at the least and the largest size."""
-        mine = answered[solver].groupby("legs")["wall_s"].median()
+        """A solver's name with two median times.
+
+        The times are at the least and at the largest size.
+        """
+        solver_rows = answered[solver].groupby("legs")["wall_s"].median()
         name = "the search with a proof" if solver == EXACT else evidence.name(solver)
-        return f"{name} ({seconds(mine.iloc[0])} to {seconds(mine.iloc[-1])})"
+        return f"{name} ({seconds(solver_rows.iloc[0])} to {seconds(solver_rows.iloc[-1])})"
 
     def doubled(solver: str) -> str:
-        """The factor by which twice as many legs multiply a solver's time, with its interval."""
+        """The factor for twice as many legs, with interval."""
         slope = powers[solver]
         factor = slope._replace(value=2**slope.value, low=2**slope.low, high=2**slope.high)
         return factor.text()
@@ -210,17 +238,19 @@ def growth(evidence: Evidence) -> Finding | None:
         f"{doubled(most)}.",
         power,
         f"{some(power.questions, 'route')} with {label}, of {rows['legs'].min()} to {largest} "
-        f"legs, that {named(most)} answers; the steepest of {some(len(powers), 'method')} that are "
-        f"still right on most of the longest; {'; '.join(others)}",
+        f"legs, that {named(most)} answers. Its time grows fastest of "
+        f"{some(len(powers), 'method')} that are right on most of the longest routes; "
+        f"{'; '.join(others)}",
         TITLE,
     )
 
 
 def exponent(legs: FloatArray, wall_s: FloatArray, of: int = 1) -> Estimate:
-    """The slope of log time on log legs (least squares), with its interval over routes.
+    """The exponent of time over legs.
 
-    Routes are resampled within each number of legs. If it is the most extreme of several, the
-    interval is that of all at once.
+    The slope of log time on log legs (least squares), with its interval over routes. Routes are
+    resampled within each number of legs. If it is the most extreme of several, the interval is that
+    of all at once.
     """
     x = np.log(legs)
     y = np.log(wall_s)
@@ -229,9 +259,9 @@ def exponent(legs: FloatArray, wall_s: FloatArray, of: int = 1) -> Estimate:
     for size in np.unique(legs):
         places = np.flatnonzero(legs == size)
         picks.append(places[rng.integers(places.size, size=(_RESAMPLES, places.size))])
-    drawn = np.concatenate(picks, axis=1)
-    away = x[drawn] - x[drawn].mean(axis=1, keepdims=True)
-    slopes = (away * y[drawn]).sum(axis=1) / (away * away).sum(axis=1)
+    sample = np.concatenate(picks, axis=1)
+    away = x[sample] - x[sample].mean(axis=1, keepdims=True)
+    slopes = (away * y[sample]).sum(axis=1) / (away * away).sum(axis=1)
     low, high = np.quantile(slopes, [0.025 / of, 1.0 - 0.025 / of])
     value = float(np.polyfit(x, y, 1)[0])
     return Estimate(value, min(float(low), value), max(float(high), value), legs.size)

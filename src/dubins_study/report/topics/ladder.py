@@ -1,4 +1,4 @@
-"""The section on the ladder of margins toward a turning circle."""
+"""The section on margins toward a turning circle."""
 
 from __future__ import annotations
 
@@ -40,12 +40,13 @@ SHORTER = 1e-4
 
 
 def rungs(rows: pd.DataFrame) -> pd.DataFrame:
-    """Every attempt with its place on the ladder and its finding.
+    """Attempts with their rungs and findings.
 
-    `right`: optimal, and as long as the scenario's shortest path. `by its miss`: the check accepts
-    it as optimal, since it is the shortest to where it ends, but it is shorter than the scenario's
-    shortest path. `coarse`: longer, but with the same shape. `wrong basin`: longer, with
-    another shape. `no path`: no path was returned, or it does not arrive.
+    A rung is a place on the ladder of margins. `right`: optimal, and as long as the scenario's
+    shortest path. `by its miss`: the check accepts it as optimal, since it is the shortest to where
+    it ends, but it is shorter than the scenario's shortest path. `coarse`: longer, but with the
+    same shape. `wrong basin`: longer, with another shape. `no path`: no path was returned, or it
+    does not arrive.
 
     Columns solver, side, rung (margin as a power of ten), finding (from the best to the worst),
     false_claim, miss (radii).
@@ -76,46 +77,46 @@ def rungs(rows: pd.DataFrame) -> pd.DataFrame:
 
 
 def ladder(attempts: pd.DataFrame) -> pd.DataFrame:
-    """One row per solver, side and rung, from the attempts that `rungs` returns.
+    """Worst finding per solver, side and rung.
 
-    Columns solver, side, rung, finding (the worst one), false_claim (of any).
+    The attempts are those that `rungs` returns. Columns solver, side, rung, finding (the worst
+    one), false_claim (of any).
     """
     groups = attempts.groupby(["solver", "side", "rung"], sort=False)
     return groups[["finding", "false_claim"]].max().reset_index()
 
 
 def ladder_section(results: Results) -> Section | None:
-    """A map of solvers and margins for each side of the circle."""
+    """Map of solvers and margins, one per side."""
     attempts = rungs(results.rows)
     if attempts.empty:
         return None
     table = ladder(attempts)
     short = attempts[(attempts["finding"] == "by its miss") & (attempts["side"] == JUMP)]
-    trade = "Just inside the front half no solver trades a miss for the short path."
+    trade = "Just inside the front half no solver gets a shorter path by a miss."
     if len(short):
         trade = (
-            "Just inside the front half a small miss buys a path shorter by up to a full turn: "
+            "Just inside the front half a small miss makes a path shorter by up to a full turn: "
             f"{some(len(short), 'answer')} by a miss of at most {digits(2)(short['miss'].max())} "
-            "R. The check, whose reference is the least length over the miss made, calls it "
-            "optimal."
+            "R. The check calls these optimal: its reference is the least length over targets "
+            "within the miss."
         )
     text = sentences(
-        "Targets at margins of 1e-1 to 1e-12 R from a turning circle, on both sides of its front "
-        "half, across which the shortest length jumps, and of its rear half, across which it does "
-        "not.",
+        "Targets at margins of 1e-1 to 1e-12 R from a turning circle, on both sides. The shortest "
+        "length jumps across the front half of the circle, not across the rear half.",
         trade,
         f"Of all {count(len(attempts))} claims {count(attempts['false_claim'].sum())} are false.",
     )
     lead = (
-        "Follow a solver's line to the right, toward the circle: where its colour changes, a "
-        "margin has become too small for it."
+        "Follow a solver's line to the right, toward the circle. Where its colour changes, the "
+        "margin is too small for this solver."
     )
     blocks = (_picture(table, Palette.of_page(results)),)
     return Section("ladder", "The ladder toward a turning circle", text, blocks, lead)
 
 
 def _picture(table: pd.DataFrame, palette: Palette) -> Picture:
-    """A map of solvers and margins for each side of the circle."""
+    """Map of solvers and margins, one per side."""
     names = palette.names(table["solver"])
     order = solver_order(list(names))[::-1]
     placed = table.assign(
@@ -133,11 +134,10 @@ def _picture(table: pd.DataFrame, palette: Palette) -> Picture:
 
     return panels_picture(
         "ladder",
-        "Both sides of both halves of the circle: the worst of the answers at a margin. Right: the "
-        "shortest path. Coarse: its shape, but longer than the check's tolerance allows. By its "
-        "miss: optimal for the point that it ends at, and shorter than any path to the target. "
-        f"Ringed: false claims. Dotted: the largest miss that counts as arriving, {power(ARRIVES)} "
-        "R.",
+        "The worst answer at each margin, on both sides of both halves of the circle. Right: the "
+        "shortest path. Coarse: its shape, but longer than the tolerance allows. By its miss: "
+        "optimal for the point where it ends, but shorter than any path to the target. Ringed: "
+        f"false claims. Dotted: the largest miss that counts as arriving, {power(ARRIVES)} R.",
         kind_maps,
         "Map of solvers and margins, a panel per side of the circle",
         panels,

@@ -1,4 +1,7 @@
-"""Maps of kinds: what happened at each place of a grid, drawn alike by every topic that has one."""
+"""Maps of kinds: one colour per kind of result.
+
+Every topic that has a map draws it alike.
+"""
 
 from __future__ import annotations
 
@@ -23,10 +26,10 @@ def kind_maps(
     high: float,
     narrow: bool,
 ) -> Figure:
-    """A map for each title, side by side or `narrow` one below the other, and a common legend.
+    """A map for each title, with a common legend.
 
-    `dress` draws what else a map shows; a map is `high` inches high. Columns of each table: those
-    of `draw_kinds`.
+    The maps stand side by side, or one below the other if `narrow`. `dress` adds to a map; a map
+    is `high` inches high. Columns of each table: those of `draw_kinds`.
     """
     down, across = (len(panels), 1) if narrow else (1, len(panels))
     kinds = pd.concat(panels.values())["kind"]
@@ -34,7 +37,8 @@ def kind_maps(
     letters = max(len(mark.label or mark.key) for mark in present)
     columns = max(1, (50 if narrow else 110) // (letters + 6))
     legend = 0.2 + 0.17 * -(-len(present) // columns)
-    figure = new_figure(HALF if narrow else WIDE, high * down + legend)
+    width = HALF if narrow else WIDE
+    figure = new_figure(width, high * down + legend)
     axes = figure.subplots(down, across, sharex=True, sharey=True, squeeze=False)
     for ax, (title, table) in zip(axes.ravel(), panels.items(), strict=True):
         draw_kinds(ax, table, marks)
@@ -47,9 +51,9 @@ def kind_maps(
 
 
 def draw_kinds(ax: Axes, table: pd.DataFrame, marks: Sequence[Mark]) -> None:
-    """Fill each cell with the colour of its kind, and mark it if the kind has a marker.
+    """Fill each cell with its kind's colour.
 
-    Columns: x and y (on a grid), kind (the key of a mark).
+    A kind with a marker is marked too. Columns: x and y (on a grid), kind (the key of a mark).
     """
     codes = {mark.key: code for code, mark in enumerate(marks)}
     x, y, values = grid_of(table.assign(code=table["kind"].map(codes)), "code")
@@ -62,9 +66,10 @@ def draw_kinds(ax: Axes, table: pd.DataFrame, marks: Sequence[Mark]) -> None:
 
 
 def grid_of(table: pd.DataFrame, column: str) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """x of shape (n,), y of shape (m,) and the column's values of shape (m, n); NaN where none.
+    """Grid of a column: x, y and its values.
 
-    Columns: x, y and the column; of several rows at one place the first counts.
+    x has shape (n,), y (m,), the values (m, n); NaN where there is none. Columns: x, y and the
+    column; of several rows at one place the first counts.
     """
     grid = table.drop_duplicates(["x", "y"]).pivot(index="y", columns="x", values=column)
     x = grid.columns.to_numpy(dtype=np.float64)
@@ -73,7 +78,10 @@ def grid_of(table: pd.DataFrame, column: str) -> tuple[FloatArray, FloatArray, F
 
 
 def _dots(mark: Mark) -> Style:
-    """A kind's marker on its cells, or a square with the cells' colour for the legend."""
+    """A kind's marker, as keywords of matplotlib.
+
+    On its cells, or in the legend; without a marker a square with the cells' colour.
+    """
     edge = {"markeredgecolor": ON_MAP, "markeredgewidth": 0.7, "markersize": 4}
     face = {"linestyle": "none", "markerfacecolor": mark.colour}
     return {"marker": mark.marker or "s"} | edge | face

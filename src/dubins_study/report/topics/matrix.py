@@ -1,9 +1,13 @@
-"""The section on formulation x engine: right answers and times of every pair, by stratum too."""
+"""The section on formulation by engine.
+
+It has the right answers of every pair, by stratum too.
+"""
 
 from __future__ import annotations
 
 import textwrap
 from collections.abc import Sequence
+from itertools import chain
 
 import numpy as np
 import pandas as pd
@@ -22,7 +26,7 @@ from dubins_study.report.elements.content import (
     Topic,
     panels_picture,
 )
-from dubins_study.report.elements.formats import count, sentences, some
+from dubins_study.report.elements.formats import count, some
 from dubins_study.report.elements.identity import (
     percent,
 )
@@ -48,38 +52,34 @@ from dubins_study.study.words import FORMULATIONS
 
 # The closed form is a formulation and needs no engine: it has no place in the table.
 _FORMULA = FORMULATIONS[0]
-_NOT_ASKED = "it can be asked, but no row of these folders does"
+_NOT_ASKED = "possible, but no row of these folders has it"
 _NO_KIND = "other"
 
 
 def matrix(methods: pd.DataFrame, entries: Sequence[MatrixEntry]) -> pd.DataFrame:
-    """Every formulation with every engine; without entries, only the pairs that have rows.
+    """Every formulation with every engine.
 
-    A row per engine and formulation, in the order of lines and columns: kind (of the engine), the
-    columns of the pair's best method, filled (whether there is one), few (whether it was asked less
-    than half as many questions as others), reason (empty if filled) and note (the reason's number
-    from 1, 0 if filled).
+    If there are no entries, only the pairs that have rows. A row per engine and formulation, in the
+    order of lines and columns: kind (of the engine), the columns of the pair's best method, filled
+    (whether there is one), few (whether it was asked less than half as many questions as others),
+    reason (empty if filled) and note (the reason's number from 1, 0 if filled).
     """
     asked = methods[(methods["formulation"] != _FORMULA) & (methods["right_of"] > 0)]
     most = asked.groupby(["engine", "formulation"])["right_of"].transform("max")
-    whole = asked[2 * asked["right_of"] > most]  # no sample displaces it
+    whole = asked[2 * asked["right_of"] > most]  # without methods asked a sample only
     best = best_methods(whole, ["engine", "formulation"]).assign(filled=True)
-    known = [entry for entry in entries if entry.formulation != _FORMULA]
+    usable = [entry for entry in entries if entry.formulation != _FORMULA]
     with_rows = set(best["engine"])
-    readable = {entry.engine for entry in known if entry.kind != "exact"} | with_rows
-    known = [entry for entry in known if entry.engine in readable]
-    given = {*best["formulation"], *(entry.formulation for entry in known)}
-    formulations = [name for name in FORMULATIONS if name in given]
-    formulations += sorted(given - set(formulations))
-    why = {(e.engine, e.formulation): e.reason or _NOT_ASKED for e in known}
-    pairs = pd.DataFrame(
-        [
-            (kind, engine, formulation, why.get((engine, formulation), ""))
-            for kind, engine in _engines(known, best)
-            for formulation in formulations
-        ],
-        columns=["kind", "engine", "formulation", "reason"],
-    )
+    readable = {entry.engine for entry in usable if entry.kind != "exact"} | with_rows
+    usable = [entry for entry in usable if entry.engine in readable]
+    names = {*best["formulation"], *(entry.formulation for entry in usable)}
+    formulations = [name for name in FORMULATIONS if name in names]
+    formulations += sorted(names - set(formulations))
+    why = {(e.engine, e.formulation): e.reason or _NOT_ASKED for e in usable}
+    lines: list[tuple[str, ...]] = []
+    for kind, engine in _engines(usable, best):
+        lines += [(kind, engine, name, why.get((engine, name), "")) for name in formulations]
+    pairs = pd.DataFrame(lines, columns=["kind", "engine", "formulation", "reason"])
     cells = pairs.merge(best, on=["engine", "formulation"], how="left")
     cells["filled"] = cells["filled"].eq(True)
     cells["few"] = cells["right_of"] < asked["right_of"].max() / 2
@@ -89,29 +89,41 @@ def matrix(methods: pd.DataFrame, entries: Sequence[MatrixEntry]) -> pd.DataFram
 
 
 def _engines(entries: Sequence[MatrixEntry], best: pd.DataFrame) -> list[tuple[str, str]]:
-    """(kind, engine) by kind in the order of entries; engines that no entry names last."""
+    """Pairs (kind, engine), sorted by kind.
+
+    Kinds are in the order of entries; engines that no entry names come last.
+    """
     kind_of: dict[str, str] = {}
     for entry in entries:
         kind_of.setdefault(entry.engine, entry.kind or _NO_KIND)
+    no_kind = _NO_KIND if entries else ""
     for engine in sorted(set(best["engine"]), key=str.casefold):
-        kind_of.setdefault(engine, _NO_KIND if entries else "")
-    mine = best.loc[best["solver"].map(own_name) != "", "engine"]
-    kind_of = dict.fromkeys(mine, "plug-in") | kind_of | dict.fromkeys(mine, "plug-in")
+        kind_of.setdefault(engine, no_kind)
+    plugins = best.loc[best["solver"].map(own_name) != "", "engine"]
+    kind_of = dict.fromkeys(plugins, "plug-in") | kind_of | dict.fromkeys(plugins, "plug-in")
     kinds = list(dict.fromkeys(kind_of.values()))
     order = sorted(kind_of, key=lambda engine: kinds.index(kind_of[engine]))
     return [(kind_of[engine], engine) for engine in order]
 
 
 def strata(rows: pd.DataFrame) -> pd.DataFrame:
-    """The share of right answers of each solver in each stratum, where a path exists."""
-    kept = rows[rows["answerable"]]
-    kept = kept.assign(right=success(kept), stratum=kept["label"].fillna(""))
-    shares = scenario_shares(kept, by=["solver", "stratum"], success="right", scenario=TRIAL)
+    """Shares right by solver and stratum.
+
+    The questions have a path.
+    """
+    answerable = rows[rows["answerable"]]
+    answerable = answerable.assign(
+        right=success(answerable), stratum=answerable["label"].fillna("")
+    )
+    shares = scenario_shares(answerable, by=["solver", "stratum"], success="right", scenario=TRIAL)
     return shares.reset_index()
 
 
 def _stratum_table(results: Results, methods: pd.DataFrame, shares: pd.DataFrame) -> Table | None:
-    """The shares of `strata`, a line per method; None if there is one stratum."""
+    """Table of `strata`, a line per method.
+
+    None if there is one stratum.
+    """
     names = stratum_order(results, shares["stratum"])
     if len(names) < 2:
         return None
@@ -120,8 +132,8 @@ def _stratum_table(results: Results, methods: pd.DataFrame, shares: pd.DataFrame
         for value, low, high in shares[["share", "low", "high"]].to_numpy()
     ]
     wide = shares.assign(text=texts).pivot(index="solver", columns="stratum", values="text")
-    kept = methods[["formulation", "engine", "guess", "settings", "solver"]]
-    frame = kept.merge(wide.reset_index(), on="solver")
+    method_names = methods[["formulation", "engine", "guess", "settings", "solver"]]
+    frame = method_names.merge(wide.reset_index(), on="solver")
     pairs = zip(frame["guess"], frame["settings"], strict=True)
     frame["guess"] = [", ".join(filter(None, pair)) for pair in pairs]
     shown = (
@@ -130,8 +142,8 @@ def _stratum_table(results: Results, methods: pd.DataFrame, shares: pd.DataFrame
         *(Column(name, name, kind="cell") for name in names),
     )
     caption = (
-        "Questions answered right, stratum by stratum, with the 95 % interval (Wilson, a trial a "
-        "question)."
+        "Share of questions answered right, stratum by stratum, with its 95 % interval (Wilson; "
+        "one trial per question)."
     )
     return Table("strata", caption, frame, shown, numbers=("solver",), dense=True)
 
@@ -143,10 +155,10 @@ _DARK = 0.5
 
 
 def plot_matrix(ax: Axes, cells: pd.DataFrame, size: float) -> None:
-    """Shares of right answers in percent, engines by formulations, in letters of a size (pt).
+    """Draw shares right, engines by formulations.
 
-    A star follows the share of a method that was asked fewer questions than others; a pair without
-    rows has the number of its reason.
+    Shares are in percent, in letters of a size (pt). A star follows the share of a method that was
+    asked fewer questions than others; a pair without rows has the number of its reason.
     """
     engines = cells.drop_duplicates("engine")
     names = cells["formulation"].unique().tolist()
@@ -162,7 +174,8 @@ def plot_matrix(ax: Axes, cells: pd.DataFrame, size: float) -> None:
         text = f"[{cell['note']}]" if cell["note"] else ""
         ink = MUTED
         if cell["filled"]:
-            text = f"{percent(cell['right_share'], 0)}{'*' if cell['few'] else ''}"
+            star = "*" if cell["few"] else ""
+            text = f"{percent(cell['right_share'], 0)}{star}"
             ink = MAP_PAPER if cell["right_share"] > _DARK else ON_MAP
         style: Style = {"ha": "center", "va": "center", "fontsize": size, "color": ink}
         # the layout need not measure what lies inside the axes
@@ -186,12 +199,15 @@ def plot_matrix(ax: Axes, cells: pd.DataFrame, size: float) -> None:
 
 
 def matrix_section(results: Results) -> Section | None:
-    """Formulation x engine as a picture, why pairs have no row, and the shares by stratum."""
+    """The section's picture and its tables.
+
+    Formulation by engine, why pairs have no row, and the shares by stratum.
+    """
     attempts = results.attempts
     methods = solver_summary(attempts)
     methods = methods[methods["right_of"] > 0].reset_index(drop=True)
-    entries = [entry for run in results.folders for entry in run.manifest.matrix]
-    cells = matrix(methods, entries)
+    entries = chain.from_iterable(run.manifest.matrix for run in results.folders)
+    cells = matrix(methods, list(entries))
     if not cells["filled"].any():
         return None
     blocks: list[Picture | Table] = [_picture(cells)]
@@ -200,32 +216,33 @@ def matrix_section(results: Results) -> Section | None:
     strata_table = _stratum_table(results, methods, strata(results.rows))
     if strata_table is not None:
         blocks.append(strata_table)
-    lead = (
-        "Read along a line for what the formulation buys, down a column for what the engine buys."
-    )
+    lead = "Along a line the formulation changes, down a column the engine: see which matters more."
     return Section("matrix", "Formulation by engine", _text(cells), tuple(blocks), lead)
 
 
 def _text(cells: pd.DataFrame) -> str:
-    engines, formulations = cells["engine"].nunique(), cells["formulation"].nunique()
+    engines = cells["engine"].nunique()
+    formulations = cells["formulation"].nunique()
     filled = cells[cells["filled"]]
-    return sentences(
-        "A result belongs to a formulation, an engine and an initial guess.",
-        f"Of {some(len(cells), 'pair')} ({count(engines)} engines, {count(formulations)} "
-        f"formulations) {count(len(filled))} have rows; the others have a reason."
-        if cells["note"].any()
-        else f"{some(len(filled), 'pair')} of {some(engines, 'engine')} and "
-        f"{some(formulations, 'formulation')} have rows.",
+    numbers = (
+        f"{some(len(filled), 'pair')} of {some(engines, 'engine')} and "
+        f"{some(formulations, 'formulation')} have rows."
     )
+    if cells["note"].any():
+        numbers = (
+            f"Of {some(len(cells), 'pair')} ({count(engines)} engines, {count(formulations)} "
+            f"formulations) {count(len(filled))} have rows; the others have a reason."
+        )
+    return f"A result belongs to a formulation, an engine and an initial guess. {numbers}"
 
 
 def _picture(cells: pd.DataFrame) -> Picture:
     star = " A star: asked less than half as many questions." if cells["few"].any() else ""
     reasons = " In brackets: why the pair has no row." if cells["note"].any() else ""
     caption = (
-        "Percent of the questions with a path that are answered right, with the best of the pair's "
-        "initial guesses and settings; chosen after the fact, the best of several flatters a "
-        f"little.{star}{reasons}"
+        "Percent of the questions with a path answered right, with the pair's best initial guess "
+        "and settings. The choice was made after the runs, so the shares are slightly too high."
+        f"{star}{reasons}"
     )
     alt = "Map of right answers, engines by formulations"
     high = 0.75 + 0.175 * max(cells["engine"].nunique(), 5)
@@ -233,8 +250,10 @@ def _picture(cells: pd.DataFrame) -> Picture:
 
 
 def _figure(cells: pd.DataFrame, height: float, *, narrow: bool) -> Figure:
-    figure = new_figure(HALF if narrow else WIDE, height)
-    plot_matrix(figure.add_subplot(), cells, 4.8 if narrow else 6.5)
+    width = HALF if narrow else WIDE
+    letters = 4.8 if narrow else 6.5
+    figure = new_figure(width, height)
+    plot_matrix(figure.add_subplot(), cells, letters)
     return figure
 
 

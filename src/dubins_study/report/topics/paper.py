@@ -1,4 +1,7 @@
-"""The paper's tables next to ours, and the paths that solvers found of its words."""
+"""The paper's tables beside the exact numbers.
+
+The module also finds the paths that solvers return for the paper's words.
+"""
 
 from __future__ import annotations
 
@@ -23,7 +26,10 @@ from dubins_study.study.path import Path
 
 
 def word_paths(results: Results, solver: str) -> dict[tuple[str, str], Path]:
-    """(label, LS or RS) -> a solver's path, from its first attempt at each of the paper's words."""
+    """Map (label, LS or RS) to a solver's path.
+
+    The path is that of the solver's first attempt at each of the paper's words.
+    """
     rows = results.rows
     arrived = (rows["solver"] == solver) & rows["branch"].isin(["LS", "RS"]) & rows["gap"].notna()
     first = rows[arrived].drop_duplicates(["label", "branch"])
@@ -35,10 +41,10 @@ def word_paths(results: Results, solver: str) -> dict[tuple[str, str], Path]:
 
 
 def side_by_side(cells: pd.DataFrame) -> pd.DataFrame:
-    """Two rows for each printed row of the audit's cells: what is printed, and the exact.
+    """Printed and exact rows, one above the other.
 
-    Columns label, path, source (`paper` or `exact`), and the text of each of `QUANTITIES`, missing
-    if the path does not have it.
+    Each printed row of the audit's cells gives two rows. Columns label, path, source (`paper` or
+    `exact`), and the text of each of `QUANTITIES`, missing if the path does not have it.
     """
     rows = []
     for (label, path), row in cells.groupby(["label", "path"], sort=False):
@@ -51,7 +57,10 @@ def side_by_side(cells: pd.DataFrame) -> pd.DataFrame:
 
 
 def _exact_text(exact: str) -> str:
-    """With seven decimals: of 1.73499986, six are 1.735000, which looks as if 1.74 were right."""
+    """Write a length with seven decimals.
+
+    With six, 1.73499986 is 1.735000, which looks as if 1.74 were right.
+    """
     return f"{float(exact):.7f}"
 
 
@@ -74,11 +83,11 @@ def paper_section(results: Results) -> Section | None:
     text = (
         f"{right} of the {len(cells)} printed lengths are correct roundings of the exact ones. The "
         "paper's optimal path is the shorter of LS and RS, its feasible path the longer. The audit "
-        "below says what became of the others."
+        "below explains the other lengths."
     )
     lead = (
-        "Read a table's lines in pairs, the printed numbers above the exact ones: what is crossed "
-        "is printed wrong."
+        "Read a table's lines in pairs: the printed numbers above the exact ones. A cross marks a "
+        "wrong number."
     )
     return Section("paper", "The paper's tables", text, blocks, lead)
 
@@ -90,7 +99,7 @@ def _side_by_side(cells: pd.DataFrame, number: str) -> Table:
         *columns(kind="text", label="scenario", path="path", source="from"),
         *columns(z1="left turn ζ₁", z2="right turn ζ₂", z3="straight ζ₃", f="total f"),
     )
-    caption = f"Table {number}. {_TITLES[number]} Lengths; ✗ marks what is not a correct rounding."
+    caption = f"Table {number}. {_TITLES[number]} Lengths; ✗ marks a wrong rounding."
     name = f"paper-{number.replace('.', '-')}"
     return Table(name, caption, frame, shown, marks(wrong, *QUANTITIES))
 

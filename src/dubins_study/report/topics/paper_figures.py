@@ -1,4 +1,7 @@
-"""The paper's Figures 6.1-6.5, drawn again from the paths in the rows."""
+"""The paper's Figures 6.1-6.5.
+
+Drawn again from the paths in the rows.
+"""
 
 from __future__ import annotations
 
@@ -35,10 +38,10 @@ def labelled(name: str, word: str, path: Path) -> str:
 def plot_paths(
     ax: Axes, paths: Mapping[str, Path], scenario: Scenario, radii: Iterable[float] = ()
 ) -> None:
-    """Up to three paths of a scenario by their names in a legend above the panel.
+    """Draw up to three paths of a scenario.
 
-    Both turning circles of the start, of the scenario's radius or of several, the start's arrow and
-    the target are drawn too.
+    Their names are in a legend above the panel. Both turning circles of the start, of the
+    scenario's radius or of several, the start's arrow and the target are drawn too.
     """
     for (text, path), colour, line in zip(paths.items(), _COLOURS, LINES, strict=False):
         points, _ = outline(path)
@@ -58,9 +61,10 @@ def plot_paths(
 def plot_start_and_target(
     ax: Axes, start: Pose, target: tuple[float, float], final_heading: float | None = None
 ) -> None:
-    """The start with an arrow a ninth as long as what is drawn already; the target as a ring.
+    """Draw the start with an arrow, and the target.
 
-    The arrow of a final heading begins at the target.
+    The arrow is a ninth as long as the present drawing; the target is a ring. The arrow of a final
+    heading begins at the target.
     """
     reach = max(ax.dataLim.size) / 9
     head = {"arrowstyle": "-|>", "color": INK, "linewidth": 1.0, "shrinkA": 0, "shrinkB": 0}
@@ -76,13 +80,13 @@ def plot_start_and_target(
 
 def figures_section(results: Results) -> Section | None:
     """Figures 6.1-6.5, redrawn from the paths in the rows."""
-    found = word_paths(results, EXACT)
-    if not found:
+    paths_of_words = word_paths(results, EXACT)
+    if not paths_of_words:
         return None
     pictures = []
     shortest: dict[Problem, tuple[str, Path]] = {}  # at each radius of the fifth problem
     for label, problem in PROBLEMS.items():
-        of_label = [(word, path) for (at, word), path in found.items() if at == label]
+        of_label = [(word, path) for (at, word), path in paths_of_words.items() if at == label]
         paths = sorted(of_label, key=lambda each: each[1].length)
         if problem.position == "problem 5" and paths:
             shortest[problem] = paths[0]
@@ -97,13 +101,10 @@ def figures_section(results: Results) -> Section | None:
         pictures.append(_picture(min(shortest), named, what, [at.radius for at in shortest]))
     text = (
         "The paper's Figures 6.1–6.5, drawn from the controls in the rows. The arrow is the start "
-        "heading, the ring the target; faint are the turning circles. The paper's text gives each "
-        "length with two decimals; the tables above say which of these are right."
+        "heading, the ring is the target; the turning circles are faint. The paper's text gives "
+        "each length with two decimals; the tables above say which are right."
     )
-    lead = (
-        "In every problem one of two paths is the shortest, LS or RS; see how far the other is "
-        "round."
-    )
+    lead = "In every problem the shortest path is LS or RS; see how much longer the other path is."
     return Section("paths", "The paper's figures", text, tuple(pictures), lead)
 
 

@@ -39,9 +39,10 @@ ANSWERS = (
 
 
 def exact_answers(rows: pd.DataFrame) -> pd.DataFrame:
-    """The closed form on a dense grid over its targets in the rows; empty if they are no grid.
+    """Shortest words and lengths on a dense grid.
 
-    Columns: x and y (of the target), kind (the shortest word), length, inside (a turning circle).
+    The grid covers the closed form's targets in the rows; empty if these are no grid. Columns: x
+    and y (of the target), kind (the shortest word), length, inside (a turning circle).
     """
     exact = rows[rows["solver"] == EXACT]
     xs = exact["target_x"].unique()
@@ -56,15 +57,18 @@ def exact_answers(rows: pd.DataFrame) -> pd.DataFrame:
     )
     x, y = (values.ravel() for values in grid)
     first = exact.iloc[0]
-    given = (first["x"], first["y"], first["heading"], x, y, first["radius"])
-    best = kernel.shortest_rows(*np.broadcast_arrays(*given))
+    problems = (first["x"], first["y"], first["heading"], x, y, first["radius"])
+    best = kernel.shortest_rows(*np.broadcast_arrays(*problems))
     words = np.array(kernel.WORDS)[best.word]
     inside = np.hypot(x, np.abs(y) - 1) < 1
     return pd.DataFrame({"x": x, "y": y, "kind": words, "length": best.length, "inside": inside})
 
 
 def _draw_circles(ax: Axes, _: pd.DataFrame) -> None:
-    """Draw the turning circles and the start; the half where the length jumps has a heavy line."""
+    """Draw the turning circles and the start.
+
+    The half where the length jumps has a heavy line.
+    """
     for side in (1, -1):
         ax.add_patch(Circle((0, side), 1, fill=False, edgecolor=ON_MAP, linewidth=0.6))
         ax.add_patch(Arc((0, side), 2, 2, theta1=-90, theta2=90, color=ON_MAP, linewidth=1.8))
@@ -76,9 +80,10 @@ def _draw_circles(ax: Axes, _: pd.DataFrame) -> None:
 
 
 def plot_lengths(ax: Axes, table: pd.DataFrame) -> None:
-    """Draw the shortest length, with contours that break where it jumps.
+    """Draw the shortest length with contours.
 
-    Columns: x and y (on a grid), length, inside (a turning circle).
+    The contours break where the length jumps. Columns: x and y (on a grid), length, inside (a
+    turning circle).
     """
     x, y, length = grid_of(table, "length")
     inside = grid_of(table, "inside")[2] > 0.5
@@ -102,20 +107,23 @@ def _exact_pictures(exact: pd.DataFrame) -> list[Picture]:
         "plane-lengths",
         plot_lengths,
         exact,
-        caption="Shortest length by target, a contour every R. The two discs stand out because the "
-        "length jumps across the front half of their circles; across the rear half it is smooth.",
+        caption="Shortest length by target, with a contour every R. The length jumps across the "
+        "front half of the two circles; across the rear half it is smooth.",
         alt="Map of shortest lengths",
         height=4.1,
     )
     caption = (
-        "Shortest word by target. Dark: inside a turning circle, where the first turn is away from "
-        "the target. On the axis ahead the path is straight. Lengths in R."
+        "Shortest word by target. Dark: inside a turning circle, where the path first turns away "
+        "from the target. On the axis ahead the path is straight. Lengths in R."
     )
     return [Picture("plane-words", caption, words, "Map of shortest words", half=True), lengths]
 
 
 def _solver_picture(number: int, targets: pd.DataFrame, name: str) -> Picture:
-    """Where one solver is right and wrong, with the number of each wrong verdict."""
+    """Map of one solver's right and wrong answers.
+
+    The legend has the number of each wrong verdict.
+    """
     right = success(targets)
     kinds = targets["verdict"].mask(right, "right")
     numbers = kinds.value_counts()
@@ -128,7 +136,10 @@ def _solver_picture(number: int, targets: pd.DataFrame, name: str) -> Picture:
 
 
 def plane_section(results: Results) -> Section | None:
-    """Maps of words and lengths, and where the solvers on a coarse grid go wrong."""
+    """Maps of words, of lengths and of wrong answers.
+
+    Wrong answers are those of the solvers on a coarse grid.
+    """
     rows = results.rows[results.rows["branch"] == "best"]
     exact = exact_answers(rows)
     pictures = _exact_pictures(exact) if len(exact) else []
@@ -141,16 +152,16 @@ def plane_section(results: Results) -> Section | None:
         return None
     text = (
         "The vehicle starts at the origin and heads along +x; every point is a target. The paper "
-        "states LS and RS only, which is right outside the two turning circles and wrong inside: "
-        "there the shortest path turns away first. Across the front half of each circle (heavy) "
-        "the length jumps by up to 2π R, and nowhere else."
+        "states LS and RS only. That is right outside the two turning circles and wrong inside: "
+        "there the shortest path turns away first. The length jumps, by up to 2π R, only across "
+        "the front half of each circle (heavy)."
     )
     lead = (
-        "Look inside the two circles: there the shortest words are others than the paper's, and "
-        "there solvers go wrong."
+        "Look inside the two circles: the shortest words differ from the paper's there, and "
+        "solvers go wrong there."
     )
     return Section("plane", "The target plane", text, tuple(pictures), lead)
 
 
-# Not compared: a plane has a hundred thousand questions that only the closed form answers.
+# Not compared: only the closed form answers a plane's hundred thousand questions.
 TOPIC = Topic("the target plane", plane_section, "plane", (General.POOLED,))

@@ -1,4 +1,7 @@
-"""Proofs of routes by branch and bound: what closes within which limit, and what is left open."""
+"""Proofs of routes by branch and bound.
+
+Which close within which limit, and what gap is left open.
+"""
 
 from __future__ import annotations
 
@@ -18,11 +21,12 @@ _PROVING = "disjunction"  # the formulation of routes whose engines prove a boun
 
 
 def by_limit(rows: pd.DataFrame) -> pd.DataFrame:
-    """One row per solver, number of legs and time limit.
+    """One row per solver, size and time limit.
 
-    Columns solver, legs, limit_s; those of `with_share` for closed (its path is proved to be
-    shortest in time, and is); bound_gap, the median of how far the solver's bound lies below the
-    shortest length, relative to that (1 without a bound); wall_s, the median time.
+    The size is the number of legs. Columns solver, legs, limit_s; those of `with_share` for closed
+    (its path is proved to be shortest in time, and is); bound_gap, the median of how far the
+    solver's bound lies below the shortest length, relative to that (1 without a bound); wall_s, the
+    median time.
     """
     high = rows["reference_high"]
     below = ((high - rows["lower_bound"]) / high).clip(lower=0.0).fillna(1.0)
@@ -52,15 +56,15 @@ def proofs_section(results: Results) -> Section | None:
         *columns(seconds, wall_s="median time"),
     )
     caption = (
-        "Closed: the path is proved to be shortest within the limit, and is. The gap is between "
-        "the bound at the end and the shortest length, at the median."
+        "Closed: the solver proves within the limit that its path is shortest, and it is. Gap of "
+        "bound: the median gap between the last bound and the shortest length."
     )
     table = Table("proofs", caption, by_limit(rows), shown)
     text = (
-        "A proof takes longer than a local step, so that its limit is longer too. The same solver "
+        "A proof takes longer than a local search, so its limit is longer too. The same solver "
         "with another limit is another row."
     )
-    lead = "See up to how many legs branch and bound proves a route, and in what time."
+    lead = "See up to how many legs branch and bound proves a route, and how fast."
     return Section("proofs", "Proofs of routes by limit", text, (table,), lead)
 
 

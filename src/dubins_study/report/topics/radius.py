@@ -1,4 +1,7 @@
-"""The radius sweep: length and word against radius, and what a warm start saves."""
+"""The radius sweep: length and word against radius.
+
+The module also has the time that a warm start saves.
+"""
 
 from __future__ import annotations
 
@@ -32,7 +35,7 @@ from dubins_study.study.scenario_frame import scenario_of
 _FEWEST_RADII = 4  # fewer do not show a curve
 _ASKED = ["solver", "experiment", "scenario_id", "branch"]
 _PLACE = ["x", "y", "heading", "target_x", "target_y"]
-VISIBLE = 0.01  # relative; an answer that is longer by less lies on the line of the shortest ones
+VISIBLE = 0.01  # relative; an answer that is less too long lies on the line of the shortest
 _VISIBLE = f"{100 * VISIBLE:g} %"
 _MOST_LETTERS = 34  # of a solver's name in the figure
 _WORD_SHADE = {"LS": 0.06, "RS": 0.12, "RL": 0.22, "LR": 0.3}
@@ -48,7 +51,10 @@ WARM_COLUMNS = (
 
 
 def sweep_rows(rows: pd.DataFrame) -> dict[tuple[str, str], pd.DataFrame]:
-    """(experiment, label) -> rows, for each label with one start and target at many radii."""
+    """Map (experiment, label) to the rows of a sweep.
+
+    A sweep is a label with one start and target at many radii.
+    """
     best = rows[rows["branch"] == "best"]
     sweeps = {}
     for (experiment, label), group in best.groupby(["experiment", "label"]):
@@ -59,14 +65,20 @@ def sweep_rows(rows: pd.DataFrame) -> dict[tuple[str, str], pd.DataFrame]:
 
 
 def shortest_lengths(rows: pd.DataFrame) -> pd.DataFrame:
-    """A row of a sweep for each radius, rising, with the closed form's `length` if there is one."""
+    """The shortest length at each radius of a sweep.
+
+    Radii rise; the closed form's `length` if there is one.
+    """
     known = rows[rows["reference_word"].notna()].sort_values("radius").drop_duplicates("radius")
     exact = rows[rows["solver"] == EXACT].drop_duplicates("radius").set_index("radius")["length"]
     return known.assign(length=known["radius"].map(exact).fillna(known["reference"]).astype(float))
 
 
 def visibly_wrong(rows: pd.DataFrame) -> pd.DataFrame:
-    """The answers that do not lie on the line of the shortest lengths, or do not arrive."""
+    """Answers that are visibly longer, or do not arrive.
+
+    They do not lie on the line of the shortest lengths.
+    """
     return rows[~rows["verdict"].isin(SUCCESSES) & ~(rows["gap"] <= VISIBLE)]
 
 
@@ -99,22 +111,25 @@ def radius_section(results: Results) -> Section | None:
         )
     text = (
         "At R* = r² / (2 |Y|) a turning circle passes through the target (r is its distance, Y its "
-        "offset to the left of the start heading). Beyond it the target lies inside the circle, "
-        "the word changes, and where it lay on the circle's front half the length jumps. Heavy: "
-        "the shortest length, with its word at the top; grey: LS (dashed) and RS (dotted) "
-        f"where they exist; open marks are answers more than {_VISIBLE} longer, crosses at "
-        "the foot those that do not arrive."
+        "offset to the left of the start heading). Beyond R* the target lies inside the circle and "
+        "the word changes. The length jumps if the target was on the circle's front half. Heavy: "
+        "the shortest length, with its word at the top. Grey: LS (dashed) and RS (dotted), where "
+        f"they exist. Open marks: answers more than {_VISIBLE} longer. Crosses at the foot: "
+        "answers that do not arrive."
     )
     lead = (
-        "See where the target enters a turning circle, at R*: there the word changes, and the "
-        "length jumps where the target was ahead."
+        "At R* the target enters a turning circle. See there how the word changes, and how the "
+        "length jumps if the target was ahead."
     )
     title = "Length and word against radius"
     return Section("radius", title, text, tuple(blocks), lead)
 
 
 def _draw_sweep(ax: Axes, rows: pd.DataFrame, circle: float, palette: Palette) -> None:
-    """Draw the shortest length over radius, its words and R*, and every answer visibly wrong."""
+    """Draw one sweep.
+
+    The shortest length over radius, its words and R*, and every answer visibly wrong.
+    """
     known = shortest_lengths(rows)
     wrong = visibly_wrong(rows)
     _draw_shortest(ax, known)
@@ -161,7 +176,7 @@ def _draw_shortest(ax: Axes, known: pd.DataFrame) -> None:
 
 
 def _draw_words(ax: Axes, place: dict[str, float], radii: pd.Series[float]) -> None:
-    """Draw the lengths of the paper's two words, where they exist."""
+    """Draw lengths of the paper's words where they exist."""
     dense = np.geomspace(radii.min(), radii.max(), 300)
     for word, line in _WORD_LINE.items():
         paths = [shortest(scenario_of({**place, "radius": radius}), word) for radius in dense]
@@ -170,7 +185,10 @@ def _draw_words(ax: Axes, place: dict[str, float], radii: pd.Series[float]) -> N
 
 
 def _draw_wrong(ax: Axes, wrong: pd.DataFrame, palette: Palette) -> None:
-    """Draw visibly wrong answers; those that do not arrive as crosses at the foot."""
+    """Draw visibly wrong answers.
+
+    Those that do not arrive are crosses at the foot.
+    """
     names = palette.names(wrong["solver"])
     for solver, look in palette.looks(wrong["solver"]).items():
         group = wrong[wrong["solver"] == solver]
@@ -187,10 +205,10 @@ def _draw_wrong(ax: Axes, wrong: pd.DataFrame, palette: Palette) -> None:
 
 
 def warm_starts(rows: pd.DataFrame) -> pd.DataFrame:
-    """Cold against warm starts: one row per solver that has both for the same questions.
+    """Cold against warm starts, by solver.
 
-    A ratio is the median over questions, NaN where iterations are not counted; a success is a share
-    of all attempts.
+    One row per solver that has both for the same questions. A ratio is the median over questions,
+    NaN where iterations are not counted; a success is a share of all attempts.
     """
     measured = rows.assign(success=success(rows).astype(float))
     measured["iterations"] = measured["iterations"].astype(float)
@@ -221,11 +239,11 @@ def warm_section(results: Results) -> Section | None:
         return None
     caption = "Medians over questions; a success is a share of all attempts."
     text = (
-        "The same questions cold, and started from the answer at the neighbouring radius. Warm / "
-        "cold is the median over questions of their ratios, of the time and of the solver's own "
+        "The same questions cold, and started from the answer at the neighbouring radius (warm). "
+        "Warm / cold: the median over questions of the ratio of times, and of the solver's own "
         "iterations."
     )
-    lead = "Where warm / cold is below 1 the warm start saves."
+    lead = "Where warm / cold is below 1, the warm start saves time."
     blocks = (Table("warm-starts", caption, table, WARM_COLUMNS),)
     return Section("warm", "Cold against warm starts", text, blocks, lead)
 

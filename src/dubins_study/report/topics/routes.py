@@ -1,4 +1,7 @@
-"""Routes: who still finds the shortest one as legs become more; and the drawing of one."""
+"""Routes: who finds the shortest as legs increase.
+
+The module also draws one route.
+"""
 
 from __future__ import annotations
 
@@ -68,9 +71,9 @@ GAPS = {
     math.inf: Mark("most do not arrive", colour="#2f4c69"),
 }
 _APART = 1.3  # times as large, so that the names of two sizes do not touch
-_ALL_BUT_SAMPLES = 0.95  # share of the rows
+_ALL_BUT_SAMPLES = 0.95  # share of the rows; the others may be a sample
 _DARK = 3  # classes from this one on carry light text
-_LINES = 20  # of more, the surest engine of each formulation and kind of guess is drawn
+_LINES = 20  # of more, only the best supported of each formulation and kind of guess
 
 
 def with_legs(rows: pd.DataFrame) -> pd.DataFrame:
@@ -79,11 +82,12 @@ def with_legs(rows: pd.DataFrame) -> pd.DataFrame:
 
 
 def by_size(rows: pd.DataFrame, size: str = "legs", success: str = "right") -> pd.DataFrame:
-    """One row per solver, stratum and size, such as the number of legs.
+    """Successes and times by size.
 
-    Columns solver, label and the size; those of `scenario_shares`, without open routes; left_open
-    (their number); gap (median over attempts, infinite if most do not arrive; of an open route an
-    upper bound); wall_s (median of all attempts).
+    One row per solver, stratum and size, such as the number of legs. Columns solver, label and the
+    size; those of `scenario_shares`, without open routes; left_open (their number); gap (median
+    over attempts, infinite if most do not arrive; of an open route an upper bound); wall_s (median
+    of all attempts).
     """
     cell = ["solver", "label", size]
     groups = rows.fillna({"gap": np.inf}).groupby(cell)
@@ -104,8 +108,8 @@ def routes_section(results: Results) -> Section | None:
     cells = in_page_order(by_size(rows), results)
     strata = stratum_order(results, cells["label"])
     lead = (
-        "Each row is a method. From left to right the routes get more legs; from panel to panel "
-        "the legs get shorter."
+        "Each row is a method. From left to right the routes have more legs; from panel to panel "
+        "the legs are shorter."
     )
     engines = solver_summary(results.attempts)
     engines = engines[engines["solver"] != EXACT]
@@ -115,16 +119,17 @@ def routes_section(results: Results) -> Section | None:
     return Section("routes", TITLE, _text(rows), blocks, lead)
 
 
-# minus the powers of ten of the largest gaps that data profiles ask for
+# The targets of data profiles: gaps of up to 10 to the power of minus these numbers.
 TARGETS = (2, 4, 8)
 _TIMES = np.geomspace(1e-4, 1e2, 121)  # s, twenty to a decade
 
 
 def data_profiles(rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
-    """By target: shares of the questions reached within a time (s), the best solver first.
+    """Data profiles, one table per target.
 
-    Reached: an answer in time whose proven gap is at most the target. Of an open route the gap is
-    an upper bound. (Moré and Wild 2009, SIAM J. Optim. 20, with targets of the truth.)
+    Shares of the questions reached within a time (s), the best solver first. Reached: an answer in
+    time whose proven gap is at most the target. Of an open route the gap is an upper bound. (Moré
+    and Wild 2009, SIAM J. Optim. 20, with targets of the truth.)
     """
     in_time = rows["wall_s"].mask(is_true(rows["late"]))
     panels = {}
@@ -141,15 +146,15 @@ def data_profiles(rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
 
 
 def _profiles(rows: pd.DataFrame, results: Results, timed: set[str]) -> Picture:
-    """Data profiles of the methods that have a curve of times."""
+    """Data profiles of the timed methods."""
     chosen = rows[rows["solver"].isin(timed)]
     panels = data_profiles(chosen)
     palette = palette_of(results, short_labels(methods_of(results.rows)))
     return panels_picture(
         "routes-profile",
-        "The share of routes that a method answers within a time, to three targets. Higher is more "
-        "often, further left faster. A route that nobody can prove counts once its interval is "
-        "narrow enough.",
+        "The share of routes that a method answers within a time, for three largest gaps. Higher: "
+        "more routes; further left: faster. An open route counts if its proven interval is narrow "
+        "enough.",
         share_curves,
         "Share of routes against time, for three largest gaps",
         panels,
@@ -161,13 +166,16 @@ def _profiles(rows: pd.DataFrame, results: Results, timed: set[str]) -> Picture:
 
 
 def _text(rows: pd.DataFrame) -> str:
-    """How many routes are open, and how many attempts the search proves."""
+    """The section's text.
+
+    How many routes are open, and how many attempts the search proves.
+    """
     routes = rows.groupby("scenario_id")["left_open"].any()
     left_open = ""
     if routes.any():
         left_open = (
-            f"{count(routes.sum())} of {count(len(routes))} routes are open: the check does not "
-            "know their shortest length well enough, and no share counts them."
+            f"{count(routes.sum())} of {count(len(routes))} routes are open: their shortest length "
+            "is not known well enough, and no share counts them."
         )
     proved = ""
     closed = rows.loc[rows["solver"] == EXACT, "claim"].eq("optimal")
@@ -178,7 +186,7 @@ def _text(rows: pd.DataFrame) -> str:
         )
     return sentences(
         "Right: the path passes all points in order, and its proven gap is within the run's "
-        "tolerance.",
+        "tolerance. Best supported: the method whose 95 % interval has the highest lower end.",
         left_open,
         proved,
         second_opinion(rows),
@@ -190,9 +198,10 @@ _GDIP_TOLERANCE = 1e-5
 
 
 def second_opinion(rows: pd.DataFrame) -> str:
-    """What the bounds of an independent program say of the check's; empty where it has none.
+    """Check the reference against an independent program.
 
-    The file `gdip.csv` has the bounds, and how they were made.
+    A sentence on its bounds; empty where it has none. The file `gdip.csv` has the bounds, and how
+    they were made.
     """
     known = rows.dropna(subset=["reference_high"]).drop_duplicates("scenario_id")
     with (files(__package__) / "gdip.csv").open(encoding="utf-8") as file:
@@ -203,14 +212,17 @@ def second_opinion(rows: pd.DataFrame) -> str:
     above = both["low"] > high * (1.0 + _GDIP_TOLERANCE)
     below = ((high - both["low"]) / high).clip(lower=0.0)
     return (
-        f"An independent program (gdip, Váňa and Faigl 2020) bounds {count(len(both))} of these "
-        f"routes from below: {count(above.sum())} of its bounds contradict the check; at the "
-        f"median they lie {digits(2)(below.median())} of a length below the shortest paths."
+        "An independent program (gdip, Váňa and Faigl 2020) gives lower bounds of "
+        f"{count(len(both))} of these routes; {count(above.sum())} of them contradict the check. "
+        f"Their median is {digits(2)(below.median())} of a length below the shortest paths."
     )
 
 
 def _timed(engines: pd.DataFrame) -> set[str]:
-    """The methods whose times are drawn: plug-ins', the search and the best of each formulation."""
+    """The methods whose times are drawn.
+
+    They are plug-ins', the search and the best of each formulation.
+    """
     return {*own(engines["solver"]), EXACT, *best_methods(engines, ["formulation"])["solver"]}
 
 
@@ -221,18 +233,21 @@ def _picture(
     engines: pd.DataFrame,
     timed: set[str],
 ) -> Picture:
-    """A map of success and gap for each stratum, and below it the times of some methods."""
+    """The picture of success, gap and time.
+
+    A map for each stratum, and below it the times of some methods.
+    """
     if cells["solver"].nunique() > _LINES:
         known = results.rows.groupby("solver", observed=True)["guesses"].first()
         kinds = engines.assign(guesses=engines["solver"].map(known).fillna(""))
-        kept = {*timed, *best_methods(kinds, ["formulation", "guesses"])["solver"]}
-        cells = cells[cells["solver"].isin(kept)]
+        shown = {*timed, *best_methods(kinds, ["formulation", "guesses"])["solver"]}
+        cells = cells[cells["solver"].isin(shown)]
     return panels_picture(
         "routes",
-        "Above: 5/6 means right on five of six routes (?: others are open); darker: longer "
-        "paths at the median. One row a formulation and guess, with its best-supported engine. "
-        "Below: median times of these engines, failures included; an engine's floor is at most its "
-        "time at one leg. Dotted: the limit.",
+        "Above: 5/6 means right on five of six routes (?: others are open); darker: a larger "
+        "median gap. One row per formulation and guess, with its best-supported engine. "
+        "Below: median times of these engines, failures included. The time at one leg is an upper "
+        "bound of an engine's fixed cost. Dotted: the limit.",
         plot_sizes,
         "Success, gap and time against the number of legs",
         cells,
@@ -244,13 +259,19 @@ def _picture(
 
 
 def palette_of(results: Results, labels: Mapping[str, str]) -> Palette:
-    """The page's palette, with names that tell the methods of these results apart."""
-    own = {**labels, EXACT: "search with a proof"}
-    return replace(Palette.of_page(results), labels=own)
+    """The page's palette with distinct names.
+
+    The names tell the methods of these results apart.
+    """
+    with_search = {**labels, EXACT: "search with a proof"}
+    return replace(Palette.of_page(results), labels=with_search)
 
 
 def usual_limit(rows: pd.DataFrame) -> float:
-    """The largest time limit (s) that is not only a sample's; NaN if none is stated."""
+    """The largest usual time limit (s).
+
+    A limit of a sample only is not usual; NaN if no limit is stated.
+    """
     return float(rows["limit_s"].quantile(_ALL_BUT_SAMPLES, interpolation="lower"))
 
 
@@ -265,10 +286,11 @@ def plot_sizes(
     gaps: Mapping[float, Mark] = GAPS,
     narrow: bool,
 ) -> Figure:
-    """A map of the solvers and the times of some for each stratum, side by side unless `narrow`.
+    """Draw maps of success, and times, by stratum.
 
-    `cells` is the table of `by_size`, `timed` are the solvers with a time; `limit` is in s,
-    NaN if there is none. `gaps` has the classes of gaps by the largest gap of each.
+    The strata stand side by side unless `narrow`. Below each map are the times of some solvers.
+    `cells` is the table of `by_size`, `timed` are the solvers with a time; `limit` is in s, NaN if
+    there is none. `gaps` has the classes of gaps by the largest gap of each.
     """
     number = len(strata)
     solvers = list(dict.fromkeys(cells["solver"]))
@@ -281,9 +303,9 @@ def plot_sizes(
         figure = new_figure(WIDE, min(HIGHEST, sum(heights) + 1.3))
         panels = figure.subplots(2, number, sharey="row", squeeze=False, height_ratios=heights)
         pairs = panels.T
-    drawn = [solver for solver in solvers if solver in timed]
-    looks = palette.looks(drawn)
-    names = palette.names(drawn)
+    timed_solvers = [solver for solver in solvers if solver in timed]
+    looks = palette.looks(timed_solvers)
+    names = palette.names(timed_solvers)
     lines: dict[str, Line2D] = {}  # by solver: a panel may lack some
     for place, ((above, below), label) in enumerate(zip(pairs, strata, strict=True)):
         chosen = cells[cells["label"] == label]
@@ -301,10 +323,10 @@ def plot_sizes(
     patches = [Patch(facecolor=mark.colour, edgecolor=RULE, label=mark.key) for mark in marks]
     style: Style = {"fontsize": 7, "columnspacing": 1.2}
     key: Style = {"title": "median gap", "alignment": "left", "loc": "outside upper left"}
-    figure.legend(handles=patches, ncols=3 if narrow else 5, **key, **style)
-    figure.legend(
-        handles=[*lines.values()], loc="outside lower left", ncols=2 if narrow else 3, **style
-    )
+    gaps_across = 3 if narrow else 5
+    lines_across = 2 if narrow else 3
+    figure.legend(handles=patches, ncols=gaps_across, **key, **style)
+    figure.legend(handles=[*lines.values()], loc="outside lower left", ncols=lines_across, **style)
     return figure
 
 
@@ -315,9 +337,10 @@ def plot_success(
     size: str = "legs",
     gaps: Mapping[float, Mark] = GAPS,
 ) -> None:
-    """A map with a line for each solver, the first on top, and a column for each size.
+    """Draw a map of success.
 
-    Columns: those of `by_size`, of one stratum.
+    It has a line for each solver, the first on top, and a column for each size. Columns: those of
+    `by_size`, of one stratum.
     """
     sizes = sorted(cells[size].unique())
     marks = [*gaps.values()]
@@ -345,9 +368,10 @@ def plot_success(
 def plot_times(
     ax: Axes, cells: pd.DataFrame, looks: Mapping[str, Look], names: Mapping[str, str], size: str
 ) -> dict[str, Line2D]:
-    """Median times (s) over the size, a line for each solver; both axes logarithmic.
+    """Draw median times (s) over the size.
 
-    Columns: those of `by_size`, of one stratum. Returns the lines, by solver.
+    A line for each solver; both axes logarithmic. Columns: those of `by_size`, of one stratum.
+    Returns the lines, by solver.
     """
     lines = {}
     for solver, rows in cells.groupby("solver", sort=False):
@@ -360,7 +384,10 @@ def plot_times(
 
 
 def size_axes(ax: Axes, sizes: pd.Series[int], times: pd.Series[float]) -> None:
-    """Logarithmic axes of times (s) over sizes; of sizes close by not each has its name."""
+    """Set logarithmic axes of times (s) over sizes.
+
+    If sizes are close together, only some have names.
+    """
     ax.set_xscale("log")
     if (times > 0).any():
         ax.set_yscale("log")
@@ -379,14 +406,16 @@ _SMALL_TURN = 0.1  # rad; the circle of an arc up to it is not drawn
 _MOST_CIRCLES = 100  # legs; the circles of more would hide the path
 _MOST_NUMBERS = 60
 _MOST_NAMED = 12  # points with their names beside them; of more the names are below the plot
-_NAME_CHARS, _LINE_CHARS = 24, 80  # of a name, and of a line of names
+_NAME_CHARS = 24  # of a name
+_LINE_CHARS = 80  # of a line of names
 _DIGIT = 4.8  # pt; the width of a digit of a number
 _EIGHTHS = np.arange(8) * np.pi / 4
 _AROUND = np.column_stack((np.cos(_EIGHTHS), np.sin(_EIGHTHS)))  # a point, where its text may stand
 _CROSSINGS = 2_000  # places on the path that a text should not cover
 _WIDE_LEG = 12.0  # pt of the median leg; shorter ones have thinner lines and smaller dots
-_THINNEST_LINE, _SMALLEST_DOT = 0.5, 0.2  # shares of the full size
-_MARGIN = 0.07  # around what is drawn, as a share of it
+_THINNEST_LINE = 0.5  # share of the full width
+_SMALLEST_DOT = 0.2  # share of the full size
+_MARGIN = 0.07  # around the drawing, as a share of its size
 # Colour, line and width of each kind of piece: three shades and three lines in grey print.
 _TURNS: dict[str, tuple[str, dict[str, Any]]] = {
     "L": ("left", {"color": BLUE, "linestyle": "-", "linewidth": 2.4}),
@@ -401,14 +430,20 @@ def _unit(step: FloatArray) -> FloatArray:
 
 
 def _points_per_unit(ax: Axes) -> float:
-    """Size of a length unit on the paper (pt), with equal scales and the margins of a route."""
+    """Size of a length unit on the paper (pt).
+
+    The scales are equal, and a route has its margins.
+    """
     sizes = [np.ptp(box.get_points(), axis=0) for box in (ax.bbox, ax.dataLim)]
     unit = sizes[0] / np.maximum(sizes[1], 1e-300) / (1 + 2 * _MARGIN)
     return float(unit.min()) * 72 / ax.figure.dpi
 
 
 def _runs(points: FloatArray, inside: BoolArray) -> FloatArray:
-    """Points of the parts that are inside, shape (m, 2), with a NaN between two runs of them."""
+    """Points of the parts that are inside.
+
+    The shape is (m, 2), with a row of NaN between two runs of parts.
+    """
     parts = np.flatnonzero(inside)
     ends = points[np.column_stack((parts, parts + 1)).ravel()]
     return np.insert(ends, 2 * np.flatnonzero(np.diff(parts) > 1) + 2, np.nan, axis=0)
@@ -420,9 +455,10 @@ def _label(name: str) -> str:
 
 
 def _texts(scenario: Scenario, order: Sequence[int], names: Sequence[str]) -> list[str]:
-    """The text beside the start and each stop, in the order of visits.
+    """Texts beside the start and the stops.
 
-    Via points have numbers, of many every tenth; the target has none. Of few points names follow.
+    They are in the order of visits. Via points have numbers, if there are many every tenth; the
+    target has none. If points are few, names follow.
     """
     last = len(order)
     step = 10 ** max(math.ceil(math.log10(last / _MOST_NUMBERS)), 0)
@@ -438,16 +474,16 @@ def _texts(scenario: Scenario, order: Sequence[int], names: Sequence[str]) -> li
 def _write(
     ax: Axes, points: FloatArray, texts: Sequence[str], unit: float, along: FloatArray
 ) -> None:
-    """Write texts beside points, at the best of eight places around each.
+    """Write texts beside points.
 
-    Best is where no piece of the path and no edge of the plot is crossed, then outside the bend
-    of the path. A text that would overlap an earlier one at each place stands without its name, or
-    is left out. `unit` is the size of a length unit (pt); `along` are
-    places on the path and the arrows, shape (m, 2).
+    Each at the best of eight places around its point. The best place crosses no piece of the path
+    and no edge of the plot, and lies outside the bend of the path. A text that would overlap an
+    earlier one at each place loses its name, or is left out. `unit` is the size of a length unit
+    (pt); `along` are places on the path and the arrows, shape (m, 2).
     """
     last = len(points) - 1
-    taken = points if last <= _MOST_NAMED else points[[0, -1]]
-    places = unit * taken  # of dots and texts, pt
+    dots = points if last <= _MOST_NAMED else points[[0, -1]]
+    places = unit * dots  # of dots and texts, pt
     sizes = np.zeros(places.shape)  # half of the widths and heights of texts
     margin = _MARGIN * np.asarray(ax.dataLim.size)
     edge = unit * (ax.dataLim.get_points() + np.array((-margin, margin)))
@@ -461,8 +497,8 @@ def _write(
         if np.hypot(*outside) < 1e-3:  # beside a straight
             outside = _unit(points[number + 1] - points[number - 1])[::-1] * (-1, 1)
         gap = 4.0 if 0 < number < last else 6.0  # beside the ring of the target
-        for tried in filter(None, (text, text.partition(" ")[0])):
-            size = np.array((_DIGIT * len(tried) / 2, 4.5))
+        for label in filter(None, (text, text.partition(" ")[0])):
+            size = np.array((_DIGIT * len(label) / 2, 4.5))
             lifts = _AROUND * gap + np.sign(_AROUND.round(9)) * size
             at = unit * point + lifts
             # 2 pt apart: a dot is as large, and two numbers side by side would be read as one
@@ -477,12 +513,15 @@ def _write(
                 places = np.vstack((places, at[best]))
                 sizes = np.vstack((sizes, size))
                 where: Style = {"textcoords": "offset points", "ha": "center", "va": "center"}
-                ax.annotate(tried, point, tuple(lifts[best]), fontsize=7.5, zorder=6, **where)
+                ax.annotate(label, point, tuple(lifts[best]), fontsize=7.5, zorder=6, **where)
                 break
 
 
 def _legend_of_names(order: Sequence[int], names: Sequence[str]) -> str:
-    """The numbers of visits with their names, in lines, where names beside points would overlap."""
+    """The numbers of visits with their names.
+
+    They stand in lines below the plot, where names beside points would overlap.
+    """
     named = [
         f"{number} {_label(names[stop])}"
         for number, stop in enumerate(order, 1)
@@ -495,7 +534,10 @@ def _legend_of_names(order: Sequence[int], names: Sequence[str]) -> str:
 
 
 def _as_passed(path: Path, scenario: Scenario) -> list[int]:
-    """The places of the stops of a scenario in the order in which a path passes them."""
+    """The stops in the order of the path.
+
+    The numbers are their places in the scenario.
+    """
     via: Sequence[int] = range(len(scenario.via))
     if scenario.order is Order.FREE:
         via = visits_of(scenario, path, ARRIVES * scenario.radius).order
@@ -510,9 +552,10 @@ def plot_route(
     names: Sequence[str] = (),
     known: str = "",
 ) -> None:
-    """A path by its turns, with the via points and both poses of a scenario.
+    """Draw a path by its turns.
 
-    `names` are those of the stops, in the order of the scenario; `known` ends the title.
+    The via points and both poses of the scenario are drawn, too. `names` are those of the stops, in
+    the order of the scenario; `known` ends the title.
 
     Lines and points are thinner where points lie close, and of many points some have numbers.
     Faint circles are those that the path drives on, for few points; arrows are headings, that at
@@ -540,8 +583,8 @@ def plot_route(
     for letter, (kind, look) in _TURNS.items():
         runs = _runs(poses[:, :2], sides == "RSL".index(letter) - 1)
         if len(runs):
-            drawn = look | {"linewidth": thin * look["linewidth"]}
-            kinds[letter] = ax.plot(*runs.T, zorder=3, label=kind, **drawn)[0]
+            thinned = look | {"linewidth": thin * look["linewidth"]}
+            kinds[letter] = ax.plot(*runs.T, zorder=3, label=kind, **thinned)[0]
     via = scenario.points[1 : len(scenario.via) + 1]
     ax.plot(*via.T, "o", color=INK, markersize=dot, markeredgewidth=0, zorder=5)
     order = _as_passed(path, scenario)

@@ -1,4 +1,7 @@
-"""Searches at equal evaluations: how many targets they reach, against what they evaluated."""
+"""Searches compared at equal numbers of evaluations.
+
+How many targets they reach, against the evaluations that they spend.
+"""
 
 from __future__ import annotations
 
@@ -22,13 +25,15 @@ _A_DECADE = 8  # points of a curve
 
 
 def reached(row: dict[Hashable, Any]) -> FloatArray:
-    """The evaluations after which an attempt's best path is within each target; else infinite.
+    """Evaluations spent until each target is reached.
 
-    Of an attempt without a trace the evaluations of all of it, with the gap at its end.
+    A target is reached when the attempt's best path is within it; infinite if never. An attempt
+    without a trace counts with all its evaluations and the gap at its end.
     """
     if np.ndim(row["trace_evaluations"]) and len(row["trace_evaluations"]):
         spent = np.asarray(row["trace_evaluations"], np.float64)
-        low, radius = float(row["reference_low"]), float(row["radius"])
+        low = float(row["reference_low"])
+        radius = float(row["radius"])
         off = (np.asarray(row["trace_lengths"], np.float64) - low) / max(low, radius)
     else:
         spent = np.array([row["evaluations"]], np.float64)
@@ -38,10 +43,11 @@ def reached(row: dict[Hashable, Any]) -> FloatArray:
 
 
 def runtimes(rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
-    """By number of legs: shares of all targets, attempts and questions reached, by evaluations.
+    """Shares of targets reached, by number of legs.
 
-    Indexed by evaluations, a column per solver, the best first: empirical runtime distributions
-    (Hansen, Auger, Ros, Mersmann, Tusar and Brockhoff 2021, Optim. Methods Softw. 36).
+    Shares of all targets, attempts and questions, within a number of evaluations. Indexed by
+    evaluations, a column per solver, the best first: empirical runtime distributions (Hansen,
+    Auger, Ros, Mersmann, Tusar and Brockhoff 2021, Optim. Methods Softw. 36).
     """
     rows = with_legs(rows).assign(end_gap=gaps(rows))
     most = max(10.0, float(rows["evaluations"].max()))
@@ -64,13 +70,14 @@ def searches_section(results: Results) -> Section | None:
     rows = results.rows[results.rows["evaluations"].notna()]
     if rows.empty:
         return None
-    palette, labels = Palette.of_page(results), labels_of(results)
+    palette = Palette.of_page(results)
+    labels = labels_of(results)
     seeds = int(rows["repeat"].nunique())
     questions = rows["scenario_id"].nunique()
     caption = (
         f"Share of {count(len(TARGETS))} targets (gaps of 1e-1 to 1e-8) over {count(questions)} "
-        f"questions and {count(seeds)} seeds that are reached within so many evaluations. Higher "
-        "is better. A flat line has come to rest, most often in another basin."
+        f"questions and {count(seeds)} seeds that are reached within a number of evaluations. "
+        "Higher is better. A flat line no longer improves, most often in another basin."
     )
     picture = panels_picture(
         "searches",
@@ -84,9 +91,9 @@ def searches_section(results: Results) -> Section | None:
         "share of targets",
     )
     text = sentences(
-        "Of several legs each engine varies the headings at the points, so that all it evaluates "
-        "is a path that arrives, and its best path so far counts.",
-        "Of one leg it minimises the length and a penalty of the miss, and only its end counts.",
+        "On several legs an engine varies the headings at the points: every path arrives, and the "
+        "best path so far counts.",
+        "On one leg it minimises the length and a penalty of the miss, and only its end counts.",
     )
     lead = "Read up from a budget of evaluations: which engine reaches most by then?"
     return Section("searches", "Searches at equal evaluations", text, (picture,), lead)

@@ -1,6 +1,7 @@
-"""The section of single attempts: a plot to choose from, a path, and the worst of each solver.
+"""The section of single attempts.
 
-The page embeds a sample as JSON: the worst attempts of each solver, and some of every stratum.
+A plot to choose from, a path, and the worst attempts of each solver. The page embeds a sample as
+JSON: the worst attempts of each solver, and some of every stratum.
 """
 
 from __future__ import annotations
@@ -29,13 +30,13 @@ from dubins_study.study.arrays import FloatArray
 from dubins_study.study.rows.schema import MEASURED_TIMES, METHOD, ROW, names
 from dubins_study.study.scenario import DEFAULTS, NUMBERS
 
-# The embedded attempts take at most so many bytes of the page, as base64 of gzip. More points than
-# these would also be slow to draw.
+# The embedded attempts take at most this many bytes of the page, as base64 of gzip. More points
+# than these would also be slow to draw.
 _MOST_BYTES = 1_500_000
 _SIZES = (30_000, 20_000, 10_000, 3_000, 1_000)
 _BASE64 = 4 / 3
 
-# Marker of a figure -> marker of Bokeh, and by how much it is turned (rad, counter-clockwise).
+# Marker of a figure -> marker of Bokeh, and the angle of its rotation (rad, counter-clockwise).
 _MARKERS = {
     "o": ("circle", 0.0),
     "^": ("triangle", 0.0),
@@ -52,48 +53,55 @@ _MARKERS = {
 }
 
 
-# What is wrong with the page's address, said when a script writes it there.
+# The error message for the page's address; a script writes it.
 _PROBLEM = '<p class="bad" id="attempt-problem" role="status"></p>'
 
 
 def attempts_section(results: Results) -> Section | None:
-    """Single attempts: every embedded one as a point, with its path and the command for it."""
+    """Single attempts, each embedded one as a point.
+
+    A point leads to its path and to the command for it.
+    """
     rows, content = _fitting(results)
     libraries = {name: _library(name) for name in ("bokeh", "bokeh-api")}
     scripts = '<p class="unscripted">This part needs scripts; the page holds them itself.</p>'
     widgets = (
         Widget(
             "worst",
-            f"The {WORST} worst of a solver's attempts that are not right, at different questions: "
-            "false claims first, then longer paths, then paths that miss the target, then none. "
-            "Solid: the solver's path; dashed: the shortest path, of a route a right answer.",
+            f"The {WORST} worst wrong attempts of a solver, at different questions: false claims "
+            "first, then longer paths, then paths that miss the target, then no path. Solid: the "
+            "solver's path; dashed: the shortest path, or on a route a right answer.",
             Markup(scripts + '<div id="attempts-worst"></div>'),
         ),
         Widget(
             "attempts",
-            "Each point is one attempt. At most ten solvers are coloured, in the colour and with "
-            "the marker of their engine; solvers of one engine differ in what fills the marker.",
+            "Each point is one attempt. At most ten solvers have a colour, with their engine's "
+            "colour and marker. Solvers of one engine differ in the fill of the marker.",
             Markup(scripts + _PROBLEM + '<div id="attempts-plot"></div>'),
             packed=libraries | {"attempts": content},
         ),
     )
-    lead = "Choose a solver, and click an attempt to see its path and the command that repeats it."
+    lead = "Choose a solver. Click an attempt to see its path and the command that repeats it."
     return Section("attempts", "Single attempts", _text(rows, results), widgets, lead)
 
 
 def _text(rows: pd.DataFrame, results: Results) -> str:
-    shown, every = len(rows), len(results.rows)
+    shown = len(rows)
+    every = len(results.rows)
     if shown == every:
         return f"All {count(every)} attempts are shown."
     return (
-        f"Shown are {count(shown)} of the {count(every)} attempts: the {WORST} worst of each "
-        "solver, and for every solver, region and verdict the first repeats at the same scenarios, "
-        "drawn by the hashes that name them."
+        f"{count(shown)} of the {count(every)} attempts are shown: the {WORST} worst of each "
+        "solver, and a random sample for every solver, region and verdict. The sample has the same "
+        "scenarios for all solvers where possible."
     )
 
 
 def _fitting(results: Results) -> tuple[pd.DataFrame, bytes]:
-    """The largest sample of attempts that takes no more than `_MOST_BYTES`, else the smallest."""
+    """The largest sample that fits in `_MOST_BYTES`.
+
+    If none fits, it is the smallest.
+    """
     for most in _SIZES:
         rows = sample(results, most)
         content = packed(rows, {"solvers": _solvers(rows["solver"], results)})
@@ -103,8 +111,12 @@ def _fitting(results: Results) -> tuple[pd.DataFrame, bytes]:
 
 
 def _solvers(specs: Iterable[str], results: Results) -> list[dict[str, Any]]:
-    """Names and marks of the solvers, sorted by spec as the packed attempts count them."""
-    names, palette = names_of(results), Palette.of_page(results)
+    """Names and marks of the solvers.
+
+    Sorted by spec, as the packed attempts count them.
+    """
+    names = names_of(results)
+    palette = Palette.of_page(results)
     solvers = []
     for spec in sorted(set(specs)):
         row = names.loc[spec]
@@ -118,7 +130,10 @@ def _solvers(specs: Iterable[str], results: Results) -> list[dict[str, Any]]:
 
 @cache
 def _library(name: str) -> bytes:
-    """A script of the installed Bokeh, found without importing the package."""
+    """A script of the installed Bokeh.
+
+    It is located without importing the package.
+    """
     spec = find_spec("bokeh")
     if spec is None or spec.origin is None:  # a dependency: only a broken installation lacks it
         raise FileNotFoundError("package bokeh is not installed; install dubins-study again")
@@ -141,12 +156,12 @@ _LEVELS = {"longer": 3, "misses": 2, **dict.fromkeys((*SUCCESSES, PRESOLVED), 0)
 
 
 def sample(results: Results, most: int) -> pd.DataFrame:
-    """The worst wrong attempts of each solver, and about `most` others, spread over the strata.
+    """The worst attempts of each solver, and a sample.
 
-    A stratum is what one solver made of one region with one verdict. Of each stratum the first
-    attempts by scenario are taken: a scenario's id is a hash, so they are a random sample, and
-    those of two solvers are at the same scenarios where they can be. Only the first repeat of a
-    question is taken.
+    About `most` others are spread over the strata. A stratum is one solver's attempts in one region
+    with one verdict. Of each stratum the first attempts by scenario are taken: a scenario's id is a
+    hash, so they are a random sample, and two solvers have the same scenarios where possible. Only
+    the first repeat of a question is taken.
 
     Returns:
         Columns: `TEXTS`, `NUMBERS`, `ROUTE`, `MEASURED`, `FLAGS`, repeat, curvatures and lengths
@@ -167,11 +182,12 @@ def sample(results: Results, most: int) -> pd.DataFrame:
 
 
 def _ranks(rows: pd.DataFrame) -> pd.Series[int]:
-    """The rank of each row among its solver's worst, one row a question; 0 of the others.
+    """Ranks of rows among their solver's worst.
 
-    Only the first `WORST` have a rank, and none that is right.
+    One row per question; 0 for the others. Only the first `WORST` have a rank, and none that is
+    right.
 
-    A false claim is worse than a longer path, that than a path that misses, that than none at all.
+    The order, from the worst: a false claim, a longer path, a path that misses, no path.
     """
     level = rows["verdict"].map(_LEVELS).fillna(1).mask(rows["false_claim"].eq(True), 4)
     sizes = rows[["gap", "curvature_excess"]].assign(miss=rows["miss"] / rows["radius"])
@@ -188,7 +204,7 @@ _ARC_DIGITS = 7  # of controls, from which the page draws a path
 _EXACT = ("start_heading",)  # with all digits: the page draws a path from it
 _OF_SCENARIO = ("scenario_id", "label", "region", "margin", *NUMBERS)
 _MEASURED = [name for name in MEASURED if name not in ("evaluations", *_OF_SCENARIO)]
-# what a solver is made of stands once in the header
+# the header has the parts of a solver once
 _CODED = [name for name in TEXTS if name not in (*_OF_SCENARIO, *names(METHOD))]
 
 
@@ -226,7 +242,10 @@ def packed(rows: pd.DataFrame, more: Mapping[str, Any]) -> bytes:
 
 
 def _rounded(value: Any, digits: int = _DIGITS) -> float | str | None:
-    """A number in its first digits; JSON has no infinity, which JavaScript reads from a text."""
+    """A number rounded to its first digits.
+
+    JSON has no infinity: it is a text that JavaScript reads.
+    """
     if pd.isna(value):
         return None
     number = float(f"{value:.{digits}g}")
@@ -234,18 +253,21 @@ def _rounded(value: Any, digits: int = _DIGITS) -> float | str | None:
 
 
 def _scenarios(rows: pd.DataFrame) -> tuple[list[int], dict[str, list[Any]]]:
-    """The place of each row's scenario in the table of scenarios, and that table by columns."""
+    """Places of the rows' scenarios, and their table.
+
+    The table of scenarios is by columns.
+    """
     key = ["scenario_id", *NUMBERS]
     some = [name for name in ROUTE if (rows[name].notna() & rows[name].ne(DEFAULTS[name])).any()]
-    given = [*_OF_SCENARIO, *some]
+    selected = [*_OF_SCENARIO, *some]
     groups = rows.groupby(key, sort=False, dropna=False)
     # of attempts that are not judged the region is null: the first that is known
-    first = groups[[name for name in given if name not in key]].first()
+    first = groups[[name for name in selected if name not in key]].first()
     table = first.reset_index().astype(object)
     table = table.where(table.notna(), None)
     columns = {
         name: [_null_for_nan(v) if isinstance(v, np.ndarray) else v for v in table[name]]
-        for name in given
+        for name in selected
     }
     return groups.ngroup().tolist(), columns
 
@@ -257,7 +279,10 @@ def _null_for_nan(values: FloatArray) -> list[float | None]:
 def arcs_of(
     curvatures: Sequence[float] | None, lengths: Sequence[float], radius: float
 ) -> list[list[Any]] | None:
-    """Curvature and length of each arc of a path, in units of the turning radius; None without."""
+    """Curvature and length of each arc.
+
+    The unit is the turning radius; None without a path.
+    """
     if curvatures is None or not len(curvatures):
         return None
     arcs = zip(curvatures, lengths, strict=True)

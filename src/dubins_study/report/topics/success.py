@@ -1,4 +1,7 @@
-"""How often solvers are right where a path exists, and how exact their paths are."""
+"""Shares right, and how exact the paths are.
+
+Only questions that have a path count.
+"""
 
 from __future__ import annotations
 
@@ -29,7 +32,10 @@ _GAPS = np.geomspace(1e-16, 10.0, 171)  # points of a curve, ten to a decade
 
 
 def gap_shares(attempts: pd.DataFrame) -> pd.DataFrame:
-    """Shares of the attempts at questions with an answer, indexed by gap; a column per solver."""
+    """Shares of attempts within each gap.
+
+    The questions have an answer. Rows are gaps, columns are solvers.
+    """
     ends = _GAPS * (1 + 1e-12)  # but for the rounding of the gaps
     groups = gaps(attempts).groupby(attempts["solver"])
     shares = {str(s): np.searchsorted(np.sort(g), ends, "right") / len(g) for s, g in groups}
@@ -41,18 +47,18 @@ def success_section(results: Results) -> Section | None:
     palette = Palette.of_page(results)
     pictures = []
     for name in sorted({run.name for run in results.folders}):
-        asked = results.only({name})
-        if asked.attempts["answerable"].any():
-            tolerance = max(run.manifest.gap_tolerance for run in asked.folders)
-            pictures.append(_profile_picture(name, asked.attempts, tolerance, palette))
+        selection = results.only({name})
+        if selection.attempts["answerable"].any():
+            tolerance = max(run.manifest.gap_tolerance for run in selection.folders)
+            pictures.append(_profile_picture(name, selection.attempts, tolerance, palette))
     if not pictures:
         return None
     text = (
-        "Questions that have a path; every attempt at them counts, failed ones too. The gap is "
-        "(length − reference) / max(reference, R) and only a path that arrives has one; the others "
-        "count as infinitely far off."
+        "Questions that have a path; every attempt counts, failed ones too. The gap is "
+        "(length − reference) / max(reference, R). A path that does not arrive counts as an "
+        "infinite gap."
     )
-    lead = "See how exact the paths of each method are where it arrives, and how often it does."
+    lead = "See how often each method arrives, and how exact its paths are then."
     return Section("success", "Success and gaps", text, tuple(pictures), lead)
 
 
@@ -62,25 +68,27 @@ def _profile_picture(
     shares = gap_shares(attempts)
     caption = (
         f"Experiment {experiment}: share of attempts within each gap. Higher is more reliable, "
-        "further left more accurate; a curve that ends below 100 % belongs to a solver that "
-        "sometimes does not arrive."
+        "further left more accurate. A curve that ends below 100 %: some paths do not arrive."
     )
     if len(shares.columns) > MOST_METHODS:
         methods = solver_summary(attempts)
-        drawn = drawn_methods(methods[methods["solver"].isin(shares.columns)])
-        groups = drawn.groupby("formulation", sort=False)["solver"]
+        best = drawn_methods(methods[methods["solver"].isin(shares.columns)])
+        groups = best.groupby("formulation", sort=False)["solver"]
         panels = {str(title): shares[list(solvers)] for title, solvers in groups}
-        names = dict(zip(drawn["solver"], drawn["short"], strict=True))
+        names = dict(zip(best["solver"], best["short"], strict=True))
         rest = f"{DRAWN_TEXT} Grey: behind the first of a panel."
     else:
         named = foremost(shares[: 1.01 * tolerance].iloc[-1])
-        panels, names = {"": shares}, {solver: palette.label(solver) for solver in named}
+        panels = {"": shares}
+        names = {solver: palette.label(solver) for solver in named}
         grey = len(shares.columns) - MOST_ENGINES
-        rest = f"Grey, without names: {some(grey, 'solver')}, optimal least often."
-        rest = rest if grey > 0 else ""
+        rest = ""
+        if grey > 0:
+            rest = f"Grey, without names: {some(grey, 'solver')}, optimal least often."
     data = panels, names, palette, "gap to the shortest length (relative)", "share of all attempts"
-    name, alt = f"gap-profile-{slug(experiment)}", f"Share of attempts against gap, {experiment}"
-    caption = sentences(caption, "Dotted: optimal up to here.", rest)
+    name = f"gap-profile-{slug(experiment)}"
+    alt = f"Share of attempts against gap, {experiment}"
+    caption = sentences(caption, "Dotted: the largest gap of an optimal answer.", rest)
     return panels_picture(name, caption, share_curves, alt, *data, limit=tolerance)
 
 

@@ -1,4 +1,7 @@
-"""Every solver's attempts at questions that have a path, in one table."""
+"""A table of every solver's attempts.
+
+Only questions that have a path count.
+"""
 
 from __future__ import annotations
 
@@ -24,15 +27,18 @@ from dubins_study.study.words import Outcome
 
 
 def solver_summary(attempts: pd.DataFrame) -> pd.DataFrame:
-    """One row per solver: verdicts, false claims, wrong basins and times where a path exists.
+    """One row per solver with its counts.
 
-    Solvers that were asked no such question are left out, unless none was. The columns of
-    `methods_of`, in its order; attempts, questions, right (questions answered right), the attempts
-    with each verdict, those that are undecided (which are no attempts here), false_claims,
-    wrong_basins, not_returned (timeout, crashed, raised, ...), wall_s (median, s; missing if no
-    attempt returned), and those of `with_share` for right, a share of the questions.
+    The counts are of verdicts, false claims, wrong basins and times, where a path exists. Solvers
+    that were asked no such question are left out, unless none was. The columns of `methods_of`, in
+    its order; attempts, questions, right (questions answered right), the attempts with each
+    verdict, those that are undecided (which are no attempts here), false_claims, wrong_basins,
+    not_returned (timeout, crashed, raised, ...), wall_s (median, s; missing if no attempt
+    returned), and those of `with_share` for right, a share of the questions.
     """
-    solver, verdict, asked = attempts["solver"], attempts["verdict"], attempts["answerable"]
+    solver = attempts["solver"]
+    verdict = attempts["verdict"]
+    asked = attempts["answerable"]
     returned = attempts["outcome"].eq("returned")
     flags = {name: verdict.eq(name) for name in VERDICTS}
     flags |= {"attempts": asked, "not_returned": ~returned}
@@ -47,17 +53,20 @@ def solver_summary(attempts: pd.DataFrame) -> pd.DataFrame:
     frame["wall_s"] = times.where((asked & returned).groupby(solver).any())
     frame = frame[frame["attempts"] > 0] if asked.any() else frame
     frame = with_share(frame, "right", frame["right"], frame["questions"])
-    named = methods(attempts)
-    named = methods_of(named[named["solver"].isin(frame.index)])
-    return named.join(frame).reset_index()
+    method_names = methods(attempts)
+    method_names = methods_of(method_names[method_names["solver"].isin(frame.index)])
+    return method_names.join(frame).reset_index()
 
 
 def share_keys(*names: str) -> tuple[str, ...]:
-    """The columns of `with_share` that hold numbers, for the CSV file."""
-    return tuple(f"{name}_{end}" for name in names for end in ("share", "low", "high"))
+    """Numeric columns of `with_share`, for the CSV file."""
+    keys: list[str] = []
+    for name in names:
+        keys += [f"{name}_share", f"{name}_low", f"{name}_high"]
+    return tuple(keys)
 
 
-# The spec instead of the settings: it is what a reader hands to the command.
+# The spec instead of the settings: a reader passes it to the command.
 _COLUMNS = (
     *METHOD[:-1],
     SOLVER,
@@ -73,27 +82,30 @@ _NUMBERS = ("attempts", "questions", "optimal", *share_keys("right"))
 
 
 def summary_section(results: Results) -> Section | None:
-    """Verdicts and times where a path exists, solver by solver."""
+    """Verdicts and times, solver by solver.
+
+    The questions have a path.
+    """
     attempts = results.attempts
     frame = solver_summary(attempts)
     caption = (
         "Questions that have a path and that the solver takes. Right: the check finds the answer "
         f"optimal; failed attempts count. {INTERVAL_TEXT} The other columns count attempts. By "
-        "presolve: the setting presolve answered that no path exists, and no engine was asked. "
-        "Undecided: the shortest length is not known well enough; such attempts enter no share. A "
-        "false claim says more than the check finds; a wrong basin is a longer path that turns by "
-        "another angle. Not returned: timed out, crashed, raised or unavailable; or not asked, "
-        "since the solver had failed on shorter routes."
+        "presolve: presolve answered that no path exists, and no engine was asked. Undecided: the "
+        "shortest length is not known well enough; no share counts such attempts. The glossary "
+        "defines false claims and wrong basins. Not returned: timed out, crashed, raised or "
+        "unavailable; or not asked, since the solver had failed on shorter routes."
     )
     experiments = dict.fromkeys(run.name for run in results.folders)
-    made = int(attempts["outcome"].ne(Outcome.NOT_ASKED).sum())
+    attempts_made = int(attempts["outcome"].ne(Outcome.NOT_ASKED).sum())
     text = (
-        f"{some(made, 'attempt')} by {some(attempts['solver'].nunique(), 'solver')} in "
-        f"{', '.join(experiments)}. Attempts at questions without a path stand in the section on "
-        "existence. No number here rests on a solver's own word: each path is driven again from "
-        "its controls and judged against the closed form, or the proven bounds of a route."
+        f"{some(attempts_made, 'attempt')} by {some(attempts['solver'].nunique(), 'solver')} in "
+        f"{', '.join(experiments)}. The section on existence has the attempts at questions without "
+        "a path. No number rests on a solver's own word: each path is driven again from its "
+        "controls. Its length is compared with the closed form, or with the proven bounds of a "
+        "route."
     )
-    lead = "Look up how one solver did: right, wrong, silent, and in what time."
+    lead = "Look up one solver: how often it is right, wrong or silent, and how fast."
     rare = [
         key
         for key in ("none exists", PRESOLVED, LATE, UNDECIDED, "not_returned")

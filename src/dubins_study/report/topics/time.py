@@ -1,4 +1,7 @@
-"""Time: quartiles of the whole of an attempt, and of building and solving apart."""
+"""Quartiles of the times of attempts.
+
+The whole of an attempt; building and solving apart.
+"""
 
 from __future__ import annotations
 
@@ -31,8 +34,9 @@ _QUARTILES = ((0.25, "_q1"), (0.5, ""), (0.75, "_q3"))
 
 
 def solver_times(attempts: pd.DataFrame) -> pd.DataFrame:
-    """Questions that have a path: one row per solver that has cold attempts at them.
+    """One row per solver with its times.
 
+    Of cold attempts at questions that have a path; solvers without such attempts are left out.
     Columns: solver, timed (number of attempts), and of build_s, solve_s and wall_s the median (s),
     lower quartile (`_q1`) and upper quartile (`_q3`).
     """
@@ -51,8 +55,8 @@ def time_section(results: Results) -> Section | None:
         return None
     timed = solver_summary(results.attempts).drop(columns="wall_s").merge(frame, on="solver")
     caption = (
-        "Times of cold attempts at questions that have a path, failures included: quartiles and "
-        "medians."
+        "Quartiles and medians of the times of cold attempts at questions that have a path, "
+        "failures included."
     )
     table = Table("times", caption, frame, TIMES)
     blocks: tuple[Picture | Table, ...] = (
@@ -64,11 +68,11 @@ def time_section(results: Results) -> Section | None:
         for kind in ("jobs", "threads")
     )
     text = (
-        "Questions that have a path. Measured in the process that solves, after a warm-up that is "
-        f"not recorded; threads: {threads}; jobs side by side: {jobs}. Judging is not timed. "
-        "Compiled templates are kept between questions, so building is setting the data."
+        "Questions that have a path. Times are measured in the process that solves, after a "
+        f"warm-up; threads: {threads}; jobs side by side: {jobs}. The check is not timed. "
+        "Compiled templates are reused between questions, so building only sets the data."
     )
-    lead = "See what an attempt takes, right or wrong, and how much that varies."
+    lead = "See how long an attempt takes, right or wrong, and how much that varies."
     return Section("time", "Time", text, blocks, lead)
 
 

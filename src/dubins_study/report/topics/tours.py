@@ -1,4 +1,7 @@
-"""Tours: what is proved by size and density, and what a grid of headings costs."""
+"""Tours: proofs by size, and the price of grids.
+
+What is proved by size and density, and what a grid of headings costs.
+"""
 
 from __future__ import annotations
 
@@ -38,7 +41,7 @@ GAPS = {
     1e300: Mark("more", colour="#6a9cc4"),
     math.inf: Mark("most have no tour", colour="#2f4c69"),
 }
-# formulations of whose program an engine proves an optimum, and one that is the question itself
+# Formulations with a program that an engine solves to a proved optimum, and the question itself.
 PROVING = ("tour MILP", "tour circuit")
 _DISJUNCTION = "disjunction"
 _STRAIGHT_FIRST = "order then headings"  # the formulation of both orders by straight lines
@@ -46,20 +49,20 @@ _STRAIGHT_FIRST = "order then headings"  # the formulation of both orders by str
 BEST_OF_GRID = "best tour of"
 _STRAIGHT = "order by straight lines, best headings"
 _ALTERNATING = "that order, every other leg straight"
-# how the engines' words for an optimum of their program end, in small letters
+# Ends of the engines' words for an optimum of their program, in lower case.
 _OPTIMAL = ("optimal", "gaplimit", "glp_opt", "glp_emipgap")
-# what an engine's program leaves open when it ends, in the messages of `solvers.tour.graph`
+# The gap that an engine leaves in its program, in the messages of `solvers.tour.graph`
 _OWN_GAP = r"gap ([0-9.e+-]+), of "
 _WITHIN_S = (1, 10, 100)
 
 
 def with_points(rows: pd.DataFrame) -> pd.DataFrame:
-    """The rows with columns points (their number), closes, own_gap and bound_gap.
+    """The rows with their points and gaps.
 
-    Closes: the tour is proved to be shortest, or an engine has solved its own program to the
-    optimum. Its own gap is what the engine left open of that program; NaN without a tour. The
-    bound's gap is how far the solver's bound of the shortest length lies below it, relative to it;
-    NaN without a bound.
+    Adds the columns points (their number), closes, own_gap and bound_gap. Closes: the tour is
+    proved to be shortest, or an engine has solved its own program to the optimum. Its own gap is
+    the gap that the engine left in that program; NaN without a tour. The bound's gap is how far the
+    solver's bound of the shortest length lies below it, relative to it; NaN without a bound.
     """
     points = legs_of(rows) - is_true(rows["closed"])
     solved = rows["native_status"].fillna("").str.lower().str.endswith(_OPTIMAL)
@@ -68,20 +71,20 @@ def with_points(rows: pd.DataFrame) -> pd.DataFrame:
     ended = proved.where(of_question, solved & rows["formulation"].isin(PROVING))
     high = rows["reference_high"]
     below = (high - rows["lower_bound"]).clip(lower=0.0) / high
-    told = rows["message"].fillna("").str.extract(_OWN_GAP, expand=False)
+    reported = rows["message"].fillna("").str.extract(_OWN_GAP, expand=False)
     return rows.assign(
         points=points,
         closes=ended & ~is_true(rows["late"]),
-        own_gap=told.astype(np.float64),
+        own_gap=reported.astype(np.float64),
         bound_gap=below,
     )
 
 
 def by_points(rows: pd.DataFrame) -> pd.DataFrame:
-    """The table of `by_size` by the number of points: questions that are closed, of those asked.
+    """The table of `by_size` by number of points.
 
-    Of a method that proves nothing they are 0 of 0. The gap is an upper bound where the shortest
-    length is not proved.
+    Its successes are the questions closed, of those asked; 0 of 0 for a method that proves nothing.
+    The gap is an upper bound where the shortest length is not proved.
     """
     cells = by_size(rows.assign(left_open=False), "points", "closes")
     proves = cells["solver"].isin(provers(rows))
@@ -96,16 +99,20 @@ def provers(rows: pd.DataFrame) -> set[str]:
 
 
 def asked_of_most(rows: pd.DataFrame) -> pd.DataFrame:
-    """The attempts at the questions that most solvers were asked: all, if any were."""
+    """The attempts at the questions asked of most solvers.
+
+    These are all attempts, if all solvers met the same questions.
+    """
     solvers = rows.groupby("scenario_id")["solver"].transform("nunique")
     asked: pd.DataFrame = rows[solvers == solvers.max()]
     return asked
 
 
 def closed_within(rows: pd.DataFrame) -> pd.DataFrame:
-    """How many questions each solver closes in 1, 10 and 100 s, of those with as long a limit.
+    """Questions that each solver closes in time.
 
-    Indexed by solver; columns `in_1_s`, ..., texts such as `5/6`, missing of no questions.
+    The times are 1, 10 and 100 s, and the limit is as long. Indexed by solver; columns `in_1_s`,
+    ..., texts such as `5/6`, missing of no questions.
     """
     columns = {}
     for limit in _WITHIN_S:
@@ -117,15 +124,15 @@ def closed_within(rows: pd.DataFrame) -> pd.DataFrame:
 
 
 def by_engine(rows: pd.DataFrame) -> pd.DataFrame:
-    """One row per solver: what it closes, and medians over its attempts.
+    """Medians of each solver's attempts.
 
-    Columns solver; those of `with_share` for closes; nodes (of attempts that count some); gap
-    (infinite without an answer); own_gap (1 without a tour, NaN of solvers that tell none);
-    bound_gap (1 without a bound, NaN of solvers that give none); false_bounds (their number);
-    memory_mib; wall_s.
+    One row per solver, with the questions that it closes. Columns solver; those of `with_share` for
+    closes; nodes (of attempts that count some); gap (infinite without an answer); own_gap (1
+    without a tour, NaN of solvers that report none); bound_gap (1 without a bound, NaN of solvers
+    that give none); false_bounds (their number); memory_mib; wall_s.
     """
-    told = rows.groupby("solver")[["own_gap", "bound_gap"]].transform("count") > 0
-    open_gaps = rows[["own_gap", "bound_gap"]].fillna(1.0).where(told)
+    reported = rows.groupby("solver")[["own_gap", "bound_gap"]].transform("count") > 0
+    open_gaps = rows[["own_gap", "bound_gap"]].fillna(1.0).where(reported)
     counted = rows.assign(gap=rows["gap"].fillna(np.inf), **open_gaps)
     medians = ["iterations", "gap", "own_gap", "bound_gap", "memory_mib", "wall_s"]
     groups = counted.groupby("solver", sort=False)
@@ -138,17 +145,20 @@ def by_engine(rows: pd.DataFrame) -> pd.DataFrame:
 
 
 def against_proof(rows: pd.DataFrame, settings: dict[str, dict[str, Any]]) -> pd.DataFrame:
-    """Answers to questions whose shortest tour is proved, one of each kind.
+    """Answers compared with proved tours.
 
-    The kinds are the best tour of a grid, found by whichever engine has proved it, and both orders
-    by straight lines. Columns: those of the rows; kind; other_order, whether it passes the points
-    in another order than the proved tour. A closed tour may be driven either way.
+    Each question with a proved tour has one answer of each kind. The kinds are the best tour of a
+    grid, by any engine that has proved it, and both orders by straight lines. Columns: those of the
+    rows; kind; other_order, whether it passes the points in another order than the proved tour. A
+    closed tour may be driven either way.
     """
     proved = rows[rows["solver"].eq(EXACT) & rows["closes"]].drop_duplicates("scenario_id")
     orders = proved.set_index("scenario_id")["visit_order"]
-    tried = rows.assign(kind=[_kind_of(row, settings) for row in rows.to_dict("records")])
-    known = tried["scenario_id"].isin(orders.index) & tried["gap"].notna() & tried["kind"].ne("")
-    chosen = tried[known].drop_duplicates(["kind", "scenario_id"])
+    answers = rows.assign(kind=[_kind_of(row, settings) for row in rows.to_dict("records")])
+    known = (
+        answers["scenario_id"].isin(orders.index) & answers["gap"].notna() & answers["kind"].ne("")
+    )
+    chosen = answers[known].drop_duplicates(["kind", "scenario_id"])
     other = [
         not _same_order(row["visit_order"], orders[row["scenario_id"]], row["closed"] is True)
         for row in chosen.to_dict("records")
@@ -157,10 +167,11 @@ def against_proof(rows: pd.DataFrame, settings: dict[str, dict[str, Any]]) -> pd
 
 
 def by_kind(compared: pd.DataFrame) -> pd.DataFrame:
-    """One row per kind of answer that is compared with proved tours.
+    """One row per kind of compared answers.
 
-    Columns kind; those of `with_share` for refuted (the proved tour is shorter by more than the
-    tolerance) and for other_order; excess and most, the median and the largest gap.
+    They are compared with proved tours. Columns kind; those of `with_share` for refuted (the proved
+    tour is shorter by more than the tolerance) and for other_order; excess and most, the median and
+    the largest gap.
     """
     groups = compared.groupby("kind", sort=False)
     frame = groups[["gap"]].agg(["median", "max"]).set_axis(["excess", "most"], axis=1)
@@ -172,12 +183,15 @@ def by_kind(compared: pd.DataFrame) -> pd.DataFrame:
 
 
 def _kind_of(row: dict[Hashable, Any], settings: dict[str, dict[str, Any]]) -> str:
-    """What a proved tour is compared with; empty if nothing is compared."""
-    own = settings.get(row["solver"], {})
+    """The kind of answer; empty if not compared.
+
+    The kinds are compared with proved tours.
+    """
+    values = settings.get(row["solver"], {})
     if row["formulation"] == _STRAIGHT_FIRST:
-        return _ALTERNATING if own.get("order") == "alternating" else _STRAIGHT
-    if row["closes"] and own.get("costs") == "lengths" and not own.get("polish"):
-        return f"{BEST_OF_GRID} {own['headings']} headings"
+        return _ALTERNATING if values.get("order") == "alternating" else _STRAIGHT
+    if row["closes"] and values.get("costs") == "lengths" and not values.get("polish"):
+        return f"{BEST_OF_GRID} {values['headings']} headings"
     return ""
 
 
@@ -187,7 +201,10 @@ def _same_order(one: Any, other: Any, round_trip: bool) -> bool:
 
 
 def tours_section(results: Results) -> Section | None:
-    """What closes, and proved tours against those of a grid and of straight lines."""
+    """The section on tours.
+
+    What closes, and proved tours against those of a grid and of straight lines.
+    """
     if results.rows.empty:
         return None
     rows = with_points(results.rows)
@@ -201,14 +218,14 @@ def tours_section(results: Results) -> Section | None:
     if len(compared):
         blocks.append(_compared(by_kind(compared)))
     lead = (
-        "Read along a line up to how many points a method closes what it solves. Then see below "
-        "what its answer is worth beside the proved tour."
+        "Read along a line up to how many points a method closes its program. The last table "
+        "compares its answers with the proved tours."
     )
     return Section("tours", TITLE, _text(rows, compared), tuple(blocks), lead)
 
 
 def _text(rows: pd.DataFrame, compared: pd.DataFrame) -> str:
-    """What the search proves, and what is told of the shortest tours by other methods."""
+    """Numbers of proved tours and of refuted optima."""
     search = rows[rows["solver"] == EXACT]
     proved = ""
     if len(search):
@@ -226,14 +243,14 @@ def _text(rows: pd.DataFrame, compared: pd.DataFrame) -> str:
         )
     return sentences(
         "Closed: the search has proved its tour to be shortest, or an engine has solved its own "
-        "program to the optimum. An optimum on a grid of headings is none of the question.",
+        "program to the optimum. An optimum on a grid of headings need not be the shortest tour.",
         proved,
         refuted,
     )
 
 
 def timed_solvers(rows: pd.DataFrame) -> set[str]:
-    """Of each engine that proves, the solver that is asked most."""
+    """The most asked solver of each proving engine."""
     proving = rows[rows["solver"].isin(provers(rows))]
     asked = proving.groupby(["engine", "solver"]).size().rename("asked").reset_index()
     ranked = asked.sort_values("asked", ascending=False, kind="stable")
@@ -248,10 +265,10 @@ def _closed_picture(
     labels = dict(zip(methods.index, distinct(names), strict=True))
     return panels_picture(
         "tours",
-        "Above, in each cell the questions that are closed of those asked (no number: a method "
-        "that proves nothing), and as colour the median gap of the answers to the proven lower end "
-        "of the shortest length. Below, median times of each engine's method that is asked most, "
-        "failures included; dotted: the limit. A panel a density: the square's side.",
+        "Above: 5/6 means five of six questions closed (no number: a method that proves nothing). "
+        "Darker: a larger median gap to the proven lower end of the shortest length. Below: median "
+        "times of each engine's most asked method, failures included; dotted: the limit. One panel "
+        "per density: the square's side.",
         plot_sizes,
         "Questions closed, gaps and times, by solver, number of points and density",
         cells,
@@ -265,7 +282,10 @@ def _closed_picture(
 
 
 def _name(method: pd.Series, settings: dict[str, Any]) -> str:
-    """A method's name in the figure: the engine, and the settings that tell models apart."""
+    """A method's name in the figure.
+
+    The engine, and the settings that tell models apart.
+    """
     if method["formulation"] == _STRAIGHT_FIRST:
         return f"{settings.get('order', '')} order".strip()
     bounds = "bounds" if settings.get("costs") == "bounds" else ""
@@ -293,10 +313,10 @@ def _engines(frame: pd.DataFrame) -> Table:
         *columns(seconds, wall_s="time"),
     )
     caption = (
-        "Medians over attempts at the questions that all were asked; closed in 1, 10 and 100 s of "
-        "all with as long a limit. Own gap: what the engine leaves open of its own program. The "
-        "answer's gap is to the proven lower end of the shortest length, the bound's to its upper "
-        "end; a false bound lies above it."
+        "Medians over attempts at the questions that all solvers were asked. Closed in 1, 10 and "
+        "100 s: of the questions with as long a limit. Own gap: the gap that the engine leaves in "
+        "its own program. The answer's gap is to the proven lower end of the shortest length, the "
+        "bound's to its upper end. A false bound lies above that."
     )
     return Table("tours-engines", caption, frame, shown)
 
@@ -309,7 +329,7 @@ def _compared(frame: pd.DataFrame) -> Table:
     )
     caption = (
         "Answers beside proved tours. Refuted: the proved tour is shorter by more than the "
-        "tolerance. The best tour of a grid is one that an engine has proved to be its optimum."
+        "tolerance. Best tour of a grid: an engine has proved that it is the grid's optimum."
     )
     return Table("tours-compared", caption, frame, shown)
 

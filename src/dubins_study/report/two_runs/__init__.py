@@ -1,1 +1,4 @@
-"""Compare two runs solver by solver: what became better or worse, and where."""
+"""Compare two runs, solver by solver.
+
+Which became better or worse, and where.
+"""

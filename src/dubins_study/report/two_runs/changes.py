@@ -1,4 +1,7 @@
-"""Two runs, solver by solver: questions that both were asked, what changed, and paired tests."""
+"""Changes between two runs, solver by solver.
+
+Questions that both were asked, changes, and paired tests.
+"""
 
 from __future__ import annotations
 
@@ -20,11 +23,12 @@ SIDES = ("base", "new")
 
 
 def pairs(base: Results, new: Results) -> pd.DataFrame:
-    """The questions that both runs have attempts at, one row per solver and question.
+    """The questions that both runs answered.
 
-    Columns solver, scenario_id, branch, initial_guess, those of the scenario, answerable, and for
-    each of `SIDES` right (share of the repeats that the check accepts), false (whether any repeat
-    has a false claim or bound), gap (median of the repeats that arrive) and time (median, s).
+    One row per solver and question with attempts in both runs. Columns solver, scenario_id, branch,
+    initial_guess, those of the scenario, answerable, and for each of `SIDES` right (share of the
+    repeats that the check accepts), false (whether any repeat has a false claim or bound), gap
+    (median of the repeats that arrive) and time (median, s).
     """
     old = _questions(base).drop(columns=_SHARED).add_suffix("_base")
     measured = {name: f"{name}_new" for name in ("right", "false", "gap", "time")}
@@ -33,7 +37,10 @@ def pairs(base: Results, new: Results) -> pd.DataFrame:
 
 
 def unpaired(base: Results, new: Results, pairs: pd.DataFrame) -> pd.DataFrame:
-    """solver, only_base, only_new: how many questions only one of the runs was asked, if any."""
+    """Numbers of questions in one run only.
+
+    Columns solver, only_base, only_new; solvers without such questions are left out.
+    """
     paired = pairs.groupby("solver").size()
     counts = {
         f"only_{side}": _questions(results).groupby("solver").size().sub(paired, fill_value=0)
@@ -56,9 +63,10 @@ def _questions(results: Results) -> pd.DataFrame:
 
 
 class MachineSpeed(NamedTuple):
-    """How many times as long the same work took in the new run; 2: a machine half as fast.
+    """The ratio of the machines' times.
 
-    `ratio`, the range from `low` to `high` that it may have, and `evidence`: what says so.
+    How many times as long the same work took in the new run; 2: a machine half as fast. `low` and
+    `high` are the ends of its range; `evidence` names the source.
     """
 
     ratio: float
@@ -68,27 +76,28 @@ class MachineSpeed(NamedTuple):
 
 
 def machine_speed(changes: pd.DataFrame) -> MachineSpeed | None:
-    """The machine's speed, from solvers that cannot have changed; None without one.
+    """The machine's speed, from unchanged solvers.
 
-    A solver of the same code took as many times as long as its machine did: the geometric mean of
-    their ratios, and the range of their intervals, since a load slows some work more than other.
+    None without such a solver. A solver of the same code took as many times as long as its machine
+    did: the geometric mean of their ratios, and the range of their intervals, since a load slows
+    some work more than other.
     """
-    known = changes[changes["same_code"] & changes["time_ratio"].gt(0)]
-    if known.empty:
+    unchanged = changes[changes["same_code"] & changes["time_ratio"].gt(0)]
+    if unchanged.empty:
         return None
     return MachineSpeed(
-        ratio=float(np.exp(np.log(known["time_ratio"]).mean())),
-        low=float(known["time_ratio_low"].min()),
-        high=float(known["time_ratio_high"].max()),
-        evidence=f"{some(len(known), 'solver')} of the same code",
+        ratio=float(np.exp(np.log(unchanged["time_ratio"]).mean())),
+        low=float(unchanged["time_ratio_low"].min()),
+        high=float(unchanged["time_ratio_high"].max()),
+        evidence=f"{some(len(unchanged), 'solver')} of the same code",
     )
 
 
 def without_machine(changes: pd.DataFrame, speed: MachineSpeed | None) -> pd.DataFrame:
-    """The changes, the machine's speed taken out of the times of solvers whose code changed.
+    """The changes without the machine's speed.
 
-    Ends of intervals are divided crosswise: the slower the machine may have been, the faster the
-    solver.
+    It is taken out of the times of solvers whose code changed. Ends of intervals are divided
+    crosswise: the slower the machine, the faster the solver.
     """
     if speed is None:
         return changes
@@ -98,17 +107,19 @@ def without_machine(changes: pd.DataFrame, speed: MachineSpeed | None) -> pd.Dat
     return frame
 
 
-# A path that arrives may miss its target by this many radii, so its length is known to as much of
-# max(length, R) only: smaller gaps are no difference in accuracy.
+# A path that arrives may miss its target by this many radii. So its length is known only to this
+# share of max(length, R), and smaller gaps are no difference in accuracy.
 GAP_FLOOR = ARRIVES
-# A question's answer lost accuracy if its gap is more than so many times as large.
+# An answer is less accurate if its gap is more than this many times as large.
 WORSE_GAP = 10.0
 
 TIME_RATIO = ["time_ratio", "time_ratio_low", "time_ratio_high"]
 
 
 def solver_changes(base: Results, new: Results, pairs: pd.DataFrame) -> pd.DataFrame:
-    """One row per solver, in the order of tables; times are as measured.
+    """Changes of each solver.
+
+    One row per solver, in the order of tables; times are as measured.
 
     Returns:
         Columns solver; same_code: whether its code, settings and packages are the same in both;
@@ -140,17 +151,26 @@ def solver_changes(base: Results, new: Results, pairs: pd.DataFrame) -> pd.DataF
 
 
 def lost(pairs: pd.DataFrame) -> pd.Series[bool]:
-    """Whether each question was right in every repeat of the base and in none of the new run."""
+    """Whether each question was lost.
+
+    It was right in every repeat of the base and in none of the new run.
+    """
     return pairs["right_base"].eq(1) & pairs["right_new"].eq(0)
 
 
 def newly_false(pairs: pd.DataFrame) -> pd.Series[bool]:
-    """Whether each question has a false claim or bound in the new run alone."""
+    """Whether each question has a new false claim.
+
+    A false claim or bound in the new run alone.
+    """
     return pairs["false_new"] & ~pairs["false_base"]
 
 
 def less_accurate(pairs: pd.DataFrame) -> pd.Series[bool]:
-    """Whether an answer that is right in both runs has a gap that is larger by `WORSE_GAP`."""
+    """Whether a right answer became less accurate.
+
+    It is right in both runs, and its gap is larger by `WORSE_GAP`.
+    """
     before = pairs["gap_base"].clip(lower=GAP_FLOOR)
     return _right_in_both(pairs) & (pairs["gap_new"] > WORSE_GAP * before)
 
@@ -160,7 +180,10 @@ def _right_in_both(pairs: pd.DataFrame) -> pd.Series[bool]:
 
 
 def _times(pairs: pd.DataFrame) -> dict[str, object]:
-    """The times of both runs of the questions that are right in both."""
+    """Mean times of both runs, and their ratio.
+
+    The questions are right in both runs.
+    """
     both = pairs[_right_in_both(pairs) & pairs["time_base"].gt(0) & pairs["time_new"].gt(0)]
     times = both.set_index("scenario_id")[["time_base", "time_new"]]
     means = np.exp(np.log(times).mean())

@@ -1,4 +1,7 @@
-"""`compare`: two runs, solver by solver, with what became worse, and a page of it."""
+"""Compare two runs, and write a page of it.
+
+Solver by solver, with the regressions.
+"""
 
 from __future__ import annotations
 
@@ -55,8 +58,8 @@ def compare(
         base: the folder to compare with.
         new: the folder that may have become better or worse.
         out: the folder to write a page to, with tables and figures; None: no page.
-        slower: a solver is slower if its time, the machine's speed taken out, is surely more than
-            so many times the base's.
+        slower: a solver is slower if the interval of its time ratio, without the machine's speed,
+            lies above this number.
 
     Raises:
         ResultsError: if a folder cannot be read.
@@ -65,7 +68,8 @@ def compare(
     """
     if not slower >= 1:
         raise CompareError(f"slower is {slower!r}: expected a ratio of at least 1, e.g. {SLOWER}")
-    before, after = load([base]), load([new])
+    before = load([base])
+    after = load([new])
     paired = pairs(before, after)
     if paired.empty:
         raise CompareError(
@@ -89,8 +93,9 @@ def compare(
     if out is None:
         return comparison
     folders = (*before.folders, *after.folders)
-    was, is_now = _described(FilePath(base), folders[0]), _described(FilePath(new), folders[1])
-    asked = f"What became better or worse in the new run, {is_now}, than in the base, {was}?"
+    base_text = _described(FilePath(base), folders[0])
+    new_text = _described(FilePath(new), folders[1])
+    asked = f"What is better or worse in the new run, {new_text}, than in the base, {base_text}?"
     head = Head("Two runs compared", asked)
 
     def sections() -> list[Section]:
@@ -119,11 +124,15 @@ def _regressions(comparison: Comparison) -> Section:
     kinds = frame["kind"].value_counts(sort=False)
     what = ", ".join(f"{number} {kind}" for kind, number in kinds.items())
     text = (
-        f"{some(len(frame), 'regression')}: {what}."
-        if len(frame)
-        else "Nothing became worse: no right answer was lost, no false claim is new, no answer is "
-        "less accurate, and no solver is surely right less often, or slower."
+        "Nothing became worse: no right answer was lost, no false claim is new, no answer is less "
+        "accurate, and no solver is right less often, or slower, by the tests."
     )
+    lead = "No line here: no question was answered better by the base."
+    if len(frame):
+        text = f"{some(len(frame), 'regression')}: {what}."
+        lead = (
+            "Each line is a question that the base answered better, with the command that asks it."
+        )
     caption = (
         "No longer right (or denied): in every repeat of the base, in none of the new run. Less "
         f"accurate: a gap {WORSE_GAP:g} times as large, and above {GAP_FLOOR:g}. Right less often: "
@@ -131,16 +140,14 @@ def _regressions(comparison: Comparison) -> Section:
         f"above {comparison.slower:g}. Not answered: cells without a row."
     )
     blocks = (Table("regressions", caption, frame, _REGRESSIONS),) if len(frame) else ()
-    lead = (
-        "Each line is a question that the base answered better, with the command that asks it."
-        if len(frame)
-        else "No line here: no question was answered better by the base."
-    )
     return Section("regressions", "What became worse", text, blocks, lead)
 
 
 def solvers_table(comparison: Comparison) -> Table:
-    """The table of page and command: a line per solver."""
+    """The table of solvers, for page and command.
+
+    A line per solver.
+    """
     shown = (
         SOLVER,
         Column("verdict", "verdict", kind="text"),
@@ -151,8 +158,8 @@ def solvers_table(comparison: Comparison) -> Table:
         interval_column("time_ratio", "time, new / base"),
     )
     caption = (
-        "Questions that both runs were asked and that have a path; times are geometric means of "
-        "those that are right in both, their ratio has its 95 % interval over scenarios."
+        "Questions that both runs were asked and that have a path. Times are geometric means over "
+        "questions right in both; their ratio has its 95 % interval over scenarios."
     )
     frame = with_interval_texts(comparison.solvers, time_ratio=digits(3))
     numbers = interval_keys("time_ratio")
@@ -171,7 +178,7 @@ def _solvers(comparison: Comparison) -> Section:
 
 
 def unpaired_text(comparison: Comparison) -> str:
-    """How many questions only one of the runs was asked."""
+    """How many questions only one run was asked."""
     frame = comparison.unpaired
     if frame.empty:
         return "Both were asked the same questions."
@@ -185,16 +192,19 @@ def unpaired_text(comparison: Comparison) -> str:
 
 
 def speed_text(speed: MachineSpeed | None) -> str:
-    """What the machine did, and what it means for times."""
+    """The machine's speed as a sentence.
+
+    The sentence also states its effect on the ratios of times.
+    """
     if speed is None:
         return (
-            "Nothing says how fast the machines were, as no solver has the same code: ratios of "
-            "times are as measured, and no solver is called slower."
+            "The speed of the machines is unknown, as no solver has the same code: ratios of times "
+            "are as measured, and no solver is called slower."
         )
     interval = with_interval(digits(3), speed.ratio, speed.low, speed.high)
     return (
-        f"The same work took {interval} times as long in the new run, by {speed.evidence}; ratios "
-        "of times of solvers whose code changed are divided by that, their intervals crosswise."
+        f"The same work took {interval} times as long in the new run, by {speed.evidence}. Ratios "
+        "of times of solvers whose code changed are divided by this, their intervals crosswise."
     )
 
 
@@ -203,11 +213,9 @@ def _else(comparison: Comparison) -> Section:
     shown = columns(kind="text", what="what", base="base", new="new")
     caption = "From the manifests of the runs."
     blocks = (Table("differences", caption, frame, shown),) if len(frame) else ()
-    text = (
-        f"{some(len(frame), 'difference')} in the manifests."
-        if len(frame)
-        else "The manifests hold the same machine, limits and packages."
-    )
+    text = "The manifests have the same machine, limits and packages."
+    if len(frame):
+        text = f"{some(len(frame), 'difference')} in the manifests."
     changed = int((~comparison.solvers["same_code"]).sum())
     text = sentences(text, f"{some(changed, 'solver')} changed in code, settings or packages.")
     lead = "A difference here may explain a change above."

@@ -1,4 +1,7 @@
-"""What a comparison of two runs says: what is worse, a verdict for each solver, what differs."""
+"""The result of a comparison of two runs.
+
+Regressions, a verdict for each solver, and what else differs.
+"""
 
 from __future__ import annotations
 
@@ -21,13 +24,13 @@ from dubins_study.report.two_runs.changes import (
 from dubins_study.study.rows.manifest import Manifest
 from dubins_study.study.scenario_frame import is_missing, solve_command
 
-ALPHA = 0.05  # a change of the share of right answers is as sure as the tests of the page
-_FEWEST_TIMED = 6  # questions: fewer times, all longer, are no sign at this level
+ALPHA = 0.05  # the level of the test of shares right, as on the page
+_FEWEST_TIMED = 6  # questions; with fewer no test can reach this level
 
 
 @dataclass(frozen=True, eq=False)
 class Comparison:
-    """What two runs have in common, and what changed.
+    """The result of a comparison of two runs.
 
     Args:
         solvers: one row per solver: verdict (what is worse, else what is better), and the columns
@@ -58,7 +61,10 @@ class Comparison:
 
 
 def unanswered(results: Results) -> pd.DataFrame:
-    """solver, cells (asked), rows (there) where a run is not finished, or lost rows."""
+    """Solvers with fewer rows than cells.
+
+    Columns solver, cells (asked), rows (there); the run is not finished, or lost rows.
+    """
     there = pd.concat([results.rows["solver"], results.untaken["solver"]]).value_counts()
     asked = {spec: entry.cells for spec, entry in results.folders[0].manifest.solvers.items()}
     frame = pd.DataFrame({"cells": pd.Series(asked, dtype=int), "rows": there})
@@ -69,13 +75,14 @@ def unanswered(results: Results) -> pd.DataFrame:
 def regressions(
     pairs: pd.DataFrame, changes: pd.DataFrame, unanswered: pd.DataFrame, slower: float
 ) -> pd.DataFrame:
-    """What became worse, in the order of the kinds; of the new run the cells without an answer.
+    """The regressions, in the order of the kinds.
 
-    `slower` is infinite where the machine's speed is not known: then no solver is called slower.
+    They include the cells of the new run without an answer. `slower` is infinite where the
+    machine's speed is not known: then no solver is called slower.
     """
     was_lost = lost(pairs)
     # Seen in repeats too: a question that is right in one of three was right in all.
-    less_often = _surely_changed(changes) & (changes["right_new"] < changes["right_base"])
+    less_often = _share_changed(changes) & (changes["right_new"] < changes["right_base"])
     took_longer = _timed(changes) & changes["time_ratio_low"].gt(slower)
     lines = [
         *_questions("no longer right", pairs[was_lost & pairs["answerable"]], "right", _right),
@@ -90,22 +97,28 @@ def regressions(
     return pd.DataFrame(lines, columns=columns, dtype=object).fillna("")
 
 
-def _surely_changed(changes: pd.DataFrame) -> pd.Series[bool]:
-    """Whether the share of right answers of each solver is another one."""
+def _share_changed(changes: pd.DataFrame) -> pd.Series[bool]:
+    """Whether each solver's share right changed.
+
+    The test has the level `ALPHA`.
+    """
     return changes["right_p"].lt(ALPHA)
 
 
 def _timed(changes: pd.DataFrame) -> pd.Series[bool]:
-    """Whether the times of each solver say something of it: its code changed, on enough questions.
+    """Whether each solver's times can be compared.
 
-    Times of the same code are the machine's.
+    Its code changed, and enough questions have times. Times of the same code are the machine's.
     """
     return ~changes["same_code"] & changes["timed"].ge(_FEWEST_TIMED)
 
 
 def verdicts(changes: pd.DataFrame, regressions: pd.DataFrame, slower: float) -> list[str]:
-    """What is worse of each solver, else what is better, by the mirror images of the tests."""
-    more_often = _surely_changed(changes) & (changes["right_new"] > changes["right_base"])
+    """Verdicts on solvers: what is worse, else better.
+
+    Better is decided by the mirror images of the tests.
+    """
+    more_often = _share_changed(changes) & (changes["right_new"] > changes["right_base"])
     faster = _timed(changes) & changes["time_ratio_high"].lt(1 / slower)
     texts = []
     for row in changes.assign(more_often=more_often, faster=faster).to_dict("records"):
@@ -143,7 +156,10 @@ _Record = Mapping[Hashable, Any]
 def _questions(
     kind: str, rows: pd.DataFrame, column: str, show: Callable[[Any], str]
 ) -> Iterator[_Record]:
-    """A line for each question, with what both runs have in a column."""
+    """A line for each question.
+
+    It has the values of both runs in a column.
+    """
     for row in rows.to_dict("records"):
         place = f"target {row['target_x']:.6g}, {row['target_y']:.6g}"
         if is_missing(row["target_x"]):
@@ -186,14 +202,17 @@ def _not_answered(row: _Record) -> _Record:
 
 
 def differences(base: Manifest, new: Manifest) -> pd.DataFrame:
-    """What the runs of two manifests do not share: what, base, new (as text)."""
+    """Differences between two manifests.
+
+    Columns what, base, new (as text).
+    """
     facts = pd.DataFrame({"base": _facts(base), "new": _facts(new)}, dtype=object)
     texts = facts.replace("", None).fillna(ABSENT).astype(str)
     return texts[texts["base"] != texts["new"]].rename_axis("what").reset_index()
 
 
 def _facts(manifest: Manifest) -> pd.Series[Any]:
-    """What a manifest says of its run."""
+    """The facts that a manifest states of its run."""
     plain = ("profile", "time_limit_s", "memory_limit_gib", "gap_tolerance")
     jobs = sorted({str(run.jobs) for run in manifest.runs})
     facts = {
