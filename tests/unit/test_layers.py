@@ -40,10 +40,10 @@ BUDGETS = {
     "asking": 5_500,
     "experiments": 37_900,
     "conformance": 11_800,
-    "report": 76_400,
+    "report": 76_800,
     "missions": 8_600,
     "cli": 15_000,
-    "package": 319_700,
+    "package": 320_200,
     "tests": 284_800,
 }
 
