@@ -1,4 +1,7 @@
-"""Run an experiment: solve the cells that its results folder does not hold yet."""
+"""Run an experiment: solve its cells.
+
+Cells whose rows the results folder holds are not solved again.
+"""
 
 from __future__ import annotations
 
@@ -119,7 +122,10 @@ def _solve(
     progress: Progress | None,
     stop: Interruption,
 ) -> None:
-    """Solve the cells; write the rows as they come, then unite them in one part."""
+    """Solve the cells, and write their rows.
+
+    Rows are written as they come, then united in one part.
+    """
     folder = plan.folder
     experiment = plan.experiment_file.experiment
     rising = experiment.rising
@@ -134,20 +140,20 @@ def _solve(
     )
     keys = plan.keys
     done_keys = done(folder)
-    left = len(keys - done_keys)
+    cells_left = len(keys - done_keys)
     _LOG.info(
         "%s into %s: %d cells, %d of them to solve, with %s",
-        *(plan.experiment_file.name, folder, len(keys), left, settings),
+        *(plan.experiment_file.name, folder, len(keys), cells_left, settings),
     )
     totals = Counter((solver, digest) for _, solver, *_, digest in keys | done_keys)
     manifest, completes = count_cells(manifest, set(plan.solver_specs), totals)
-    if left < len(keys):
+    if cells_left < len(keys):
         for sentence in _other_limits(manifest, settings):
             _LOG.warning("dubins-study: %s: %s", folder, sentence)
     writer = PartWriter(folder, settings.run_id, len(keys), progress)
     writer.skip(keys & done_keys)
     recorded_as_finished = manifest.finished is not None or not completes
-    if recorded_as_finished and not left:
+    if recorded_as_finished and not cells_left:
         return
     entry = RunEntry(
         command=request.command(),
@@ -181,23 +187,29 @@ def _solve(
 
 
 def _other_limits(manifest: Manifest, settings: RunSettings) -> Iterator[str]:
-    """What is said of rows that were made under other limits than those that are asked for."""
+    """Sentences about rows made under other limits.
+
+    They name these limits and the limits that are asked for.
+    """
     for name, limit, unit in (
         ("time_limit_s", "time limit", "s"),
         ("memory_limit_gib", "memory limit", "GiB"),
     ):
-        asked = getattr(settings, name)
-        earlier = sorted({getattr(entry, name) for entry in manifest.runs} - {asked})
+        current = getattr(settings, name)
+        earlier = sorted({getattr(entry, name) for entry in manifest.runs} - {current})
         if earlier:
-            made = " and ".join(f"{value:g}" for value in earlier)
+            limits = " and ".join(f"{value:g}" for value in earlier)
             yield (
-                f"rows are there of a {limit} of {made} {unit}, and stay beside {asked:g} {unit}; "
-                "--restart solves them again"
+                f"rows are there of a {limit} of {limits} {unit}, and stay beside {current:g} "
+                f"{unit}; --restart solves them again"
             )
 
 
 def _new_manifest(plan: RunPlan, command: str) -> Manifest:
-    """The manifest of a folder that holds only this experiment; its cells are not counted yet."""
+    """The manifest of a folder with only this experiment.
+
+    Its cells are not counted yet.
+    """
     profile = plan.experiment_file.experiment.profile
     solvers = {spec: describe_solver(spec, profile) for spec in plan.solver_specs}
     packages = sorted({package for solver in solvers.values() for package in solver.packages})
@@ -218,7 +230,10 @@ def new_manifest(
     solvers: dict[str, SolverEntry],
     packages: tuple[str, ...] = (),
 ) -> Manifest:
-    """The manifest of a folder about an experiment, with the versions of some packages."""
+    """The manifest of a folder about an experiment.
+
+    It has the versions of some packages.
+    """
     experiment = file.experiment
     return Manifest(
         experiment=Definition(

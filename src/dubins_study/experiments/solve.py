@@ -1,4 +1,7 @@
-"""One question, or a frame of them, put to a solver: in this process, or in a worker of its own."""
+"""One question or a frame, put to a solver.
+
+The solver is asked in this process, or in a worker of its own.
+"""
 
 from __future__ import annotations
 
@@ -89,9 +92,9 @@ def solve(
 
         [answer] = ask_isolated(solver, profile, [question], limit)
         return answer
-    asked = described if isinstance(described, Solver) else load(solver, profile)
+    loaded = described if isinstance(described, Solver) else load(solver, profile)
     with _ctrl_c():
-        return attempt(asked, question, limit, allowed, spec=solver)
+        return attempt(loaded, question, limit, allowed, spec=solver)
 
 
 def solve_frame(
@@ -154,7 +157,10 @@ def solve_frame(
 
 
 def _described(spec: str, profile: str) -> Solver | SolverDescription:
-    """The solver of a spec; of a plug-in, which is not loaded here to be asked, its description."""
+    """The solver of a spec, or a plug-in's description.
+
+    A plug-in is not loaded here before it is asked.
+    """
     if ours(spec):
         return load(spec, profile)
     from dubins_study.experiments.plan.solver_description import describe_solver
@@ -177,7 +183,10 @@ def _in_worker(
 
 
 def _ctrl_c() -> AbstractContextManager[object]:
-    """Let Ctrl-C end the block; at its end, if a library swallows the exception, as casadi does."""
+    """Let Ctrl-C end the block.
+
+    The block's end raises if a library has swallowed the exception, as casadi does.
+    """
     if signal.getsignal(signal.SIGINT) is not signal.default_int_handler:
         return nullcontext()
     return Interruption((signal.SIGINT,), at_once=True)

@@ -1,4 +1,7 @@
-"""The status of a results folder: cells done, left and failing, and the time left."""
+"""The status of a results folder.
+
+Cells that are done, left and failing are counted, and the time left is estimated.
+"""
 
 from __future__ import annotations
 
@@ -23,7 +26,7 @@ _RUN_FIELDS = {"run_id", "started", "ended", "seconds", "state", "jobs", "execut
 
 @dataclass(frozen=True)
 class Status:
-    """What a results folder holds.
+    """The state of a results folder.
 
     Args:
         cells: number of cells that it should hold.
@@ -59,7 +62,10 @@ class Status:
     runs: list[RunEntry]
 
     def as_json(self) -> dict[str, Any]:
-        """Plain values; `left` is the total number, `left_by_solver` the number per solver."""
+        """The status in plain values.
+
+        `left` is the total number, `left_by_solver` the number per solver.
+        """
         return {
             **vars(self),
             "left": sum(self.left.values()),
@@ -71,14 +77,17 @@ class Status:
 
 
 def status(folder: str | FilePath) -> Status:
-    """The status of a results folder. Nothing is written, and a run may be active in the folder.
+    """The status of a results folder.
+
+    Nothing is written, and a run may be active in the folder.
 
     Raises:
         ResultsError: if it is not a results folder, or a part has another schema.
     """
     [place] = folder_paths([folder])
     for attempt in range(_MAX_TRIES):
-        live, manifest = is_locked(place), read_manifest(place)
+        live = is_locked(place)
+        manifest = read_manifest(place)
         damaged: list[FilePath] = []
         try:
             table = read_rows(place, _COLUMNS, damaged)
@@ -134,7 +143,10 @@ def _counts(values: pd.Series[str]) -> dict[str, int]:
 
 
 def _runs(runs: Sequence[RunEntry], live: bool) -> list[RunEntry]:
-    """The runs; one that ended without writing its final state is `killed`, its time unknown."""
+    """The runs of a folder, with their states.
+
+    A run that ended without writing its final state is `killed`, its time unknown.
+    """
     ended = [
         run.with_changes(state=KILLED, seconds=None) if run.state == RUNNING else run
         for run in (runs[:-1] if live else runs)
