@@ -1,4 +1,7 @@
-"""`dubins-study experiments`: what `run` knows by name, and what one experiment asks."""
+"""`dubins-study experiments`: the experiments that `run` knows.
+
+Of one experiment it tells what is asked.
+"""
 
 from __future__ import annotations
 
@@ -43,7 +46,10 @@ def experiments(
 
 
 def experiment_text(asked: Mapping[str, Any]) -> str:
-    """One experiment: its question, its numbers, and its solvers, one a line."""
+    """One experiment as text.
+
+    It tells the question, the numbers, and the solvers, one a line.
+    """
     limits = f"{asked['time_limit_s']:g} s and {asked['memory_limit_gib']:g} GiB a solve"
     fields = {
         "experiment": asked["name"],

@@ -1,4 +1,7 @@
-"""`dubins-study export`: models as files for other solvers, of one scenario or of a suite."""
+"""`dubins-study export`: models as files for other solvers.
+
+They are models of one scenario, or of a suite.
+"""
 
 from __future__ import annotations
 
