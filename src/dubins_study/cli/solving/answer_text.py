@@ -156,9 +156,9 @@ def _order(answer: Answer, names: Sequence[str]) -> str:
     texts = [plain(names[place]) if place < len(names) else "" for place in order]
     labels = []
     for text, place in zip(texts, order, strict=True):
-        label = number = str(place + 1)
+        label = str(place + 1)
         if text:
-            label = text if texts.count(text) == 1 else f"{text} ({number})"
+            label = text if texts.count(text) == 1 else f"{text} ({label})"
         labels.append(label)
     return ", ".join(labels[:_MOST_POINTS]) + _more(", and", len(labels) - _MOST_POINTS)
 
