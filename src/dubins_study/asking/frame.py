@@ -93,7 +93,7 @@ def _all_at_once(
     """
     from dubins_study.study.judging.verdict_frame import judge_frame
 
-    # a solver is given a frame of its own, so that the questions stay what was asked
+    # the solver gets a frame of its own, so that it cannot change the questions
     outcome, solution, seconds = _run(whole, frame.copy(deep=False), branch)
     judgement = judge_frame(frame, solution.paths, solution.claim, branch, allowed)
     arrays = _arrays(solution, judgement)

@@ -14,8 +14,8 @@ from dubins_study.study.words import NEEDS, Claim, Outcome
 
 # Long enough for every backend on every question; a solve here lasts microseconds to seconds.
 DEFAULT_LIMIT = 60.0
-# The part of its limit that a solver is not told of, nor of what building took: an engine that ends
-# on the second still has to hand over its answer, and one after the limit is a failure.
+# Share of the limit that a solver does not get; the time of building is taken off as well. An
+# engine that ends on the second still has to hand over its answer: after the limit it is a failure.
 _HELD_BACK = 0.05
 
 _NO_TIMES = Times()
@@ -34,8 +34,8 @@ class Reply(NamedTuple):
     started: str = ""  # when the solve started (UTC, ISO 8601); empty if it did not start
     versions: str = ""  # of the solver's libraries, as JSON
     code_digest: str = ""  # of the solver's code (see `code_digest`); empty if it did not load
-    memory_mib: float | None = None  # what the solve added to the memory of its process
-    floor_s: float | None = None  # what the engine takes for a trivial problem
+    memory_mib: float | None = None  # memory that the solve added to its process
+    floor_s: float | None = None  # time of the engine for a trivial problem
 
 
 def no_answer(outcome: Outcome, message: str, times: Times = _NO_TIMES, status: str = "") -> Reply:

@@ -145,8 +145,8 @@ def _epilog(words: str) -> str:
     return "\n".join(["\b", "Examples:", *(f"  {line}" for line in examples(words))])
 
 
-def _print_version(asked: bool) -> None:
-    if asked:
+def _print_version(requested: bool) -> None:
+    if requested:
         from importlib.metadata import version
 
         print(f"{PROGRAM} {version(PROGRAM)}")
@@ -222,14 +222,14 @@ def main() -> None:
     except OSError as error:
         if error.errno not in (errno.EPIPE, errno.ENOSPC):
             raise
-        # drop what is not yet written: the interpreter would try once more as it ends
+        # drop the rest of the output: the interpreter would try to write it as it ends
         sys.stdout = open(os.devnull, "w", encoding="utf-8")  # noqa: PTH123, SIM115
         if error.errno == errno.EPIPE:  # the reader has what it wanted
             sys.exit(0)
         _refuse(f"the output cannot be written: {error.strerror}")
     except TyperException as error:
         message = error.format_message()
-        if message.startswith("Usage:"):  # the help of a group of which no command is named
+        if message.startswith("Usage:"):  # the help of a group without a command
             print(message, file=sys.stderr)
             sys.exit(2)
         context = getattr(error, "ctx", None)

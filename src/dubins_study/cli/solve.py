@@ -20,8 +20,8 @@ if TYPE_CHECKING:
     from dubins_study.missions.flight import Flight
     from dubins_study.study.scenario import Scenario
 
-# Share of the limit for a tour's points in their given order: a good path of thousands takes a
-# second, a proof that it is the shortest is for `--order given`.
+# Share of the limit for a tour's points in their given order. A good path of thousands of points
+# takes a second; the proof that it is the shortest is for `--order given`.
 _COMPARED = 0.1
 
 

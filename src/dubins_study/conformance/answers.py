@@ -1,7 +1,7 @@
 """Problems of an answer, in words.
 
-They tell what was seen, and what to do about it. From a path that misses alone it is guessed what
-its solver mixed up: the question that the path would be right for.
+They tell what was seen, and what to do about it. The mix-up behind a path that misses is guessed
+from the path alone: by the question for which the path would be right.
 """
 
 from __future__ import annotations
@@ -28,14 +28,14 @@ from dubins_study.study.scenario import Scenario
 from dubins_study.study.tolerances import Tolerances
 from dubins_study.study.words import Claim, Order, Outcome, Verdict
 
-_Observed = tuple[Part, Status, str, str]  # what it is about, how bad, what was seen, what to do
+_Observed = tuple[Part, Status, str, str]  # part of the answer, status, observation, advice
 # claims that say that a path was found
 _SUCCESS = (Claim.OPTIMAL, Claim.LOCAL, Claim.FEASIBLE)
 # relative: a claimed length that differs by less is rounded
 _CLAIMED = 1e-4
 # radii: a path that ends within this of the target is right but for its solver's tolerance
 _NEAR = 1e-2
-# outcome -> what was seen, what to do
+# outcome -> observation, advice
 _OUTCOMES = {
     Outcome.CRASHED: (
         "it crashed: ",
@@ -56,7 +56,7 @@ _OUTCOMES = {
         "a solve that fails returns Solution(Claim.FAILED, message=...); it does not raise",
     ),
 }
-# part of the message of an exception -> what to do
+# part of the message of an exception -> advice
 _RAISED = {
     "solve() takes": "write `def solve(self, question, limit)`; limit is in seconds",
     "solve() missing": "write `def solve(self, question, limit)`, with no other argument",
@@ -295,8 +295,8 @@ def united(*findings: Iterable[Finding]) -> list[Finding]:
     return [replace(same[0], count=sum(one.count for one in same)) for same in groups.values()]
 
 
-# A path fits a guess if it ends within this many radii of the target, and is no more than this
-# share too tight: far more than a solver's tolerance, far less than a guess fits by chance.
+# A path fits a guess if it ends within 0.001 radii of the target, and is at most 0.1 % too tight.
+# This is far more than a solver's tolerance, and far less than a wrong guess would need.
 _FIT = 1e-3
 _LOOSE = Tolerances(miss=_FIT, curvature=_FIT)
 _POSITIONS = (

@@ -26,7 +26,7 @@ from dubins_study.solvers.protocol import Question
 from dubins_study.study.kinds.table import EVERY_KIND
 from dubins_study.study.words import Outcome
 
-Checked = tuple[Iterable[Finding], str]  # what a check has seen, and a few words on what passed
+Checked = tuple[Iterable[Finding], str]  # the findings, and a few words on the answers that passed
 # part of the message of a solver that does not load -> what to do, where it is not the file
 _BROKEN = {
     "required positional argument": "give each setting a default, such as `n: int = 10`",
@@ -65,9 +65,9 @@ def _question(interview: Interview, place: int) -> Question:
 
 # place of a question in general position, of every table
 _ALL_AT_ONCE = -2
-# Seconds of a limit that a solver is given to be cut off by, and that it may take beyond a limit
-# if it promises to keep it (`Solver.keeps_limit`).
+# Seconds of a limit that is to cut a solver off.
 _SHORT_LIMIT_S = 0.05
+# Seconds beyond a limit for a solver that promises to keep it (`Solver.keeps_limit`).
 _BEYOND_S = 1.0
 
 
@@ -104,7 +104,7 @@ def limits(interview: Interview) -> Checked:
 
 # share of the length: poses that differ by less differ in rounding only
 _ROUNDING = 1e-12
-# share of a limit that an engine uses which is cut off: it looks at the clock between its steps
+# share of its limit that a cut-off engine uses: it looks at the clock between its steps
 _WHOLE_LIMIT = 0.9
 # A solver that tosses a coin for each answer passes once in 4^4 times.
 _ASKED_AGAIN = (0, 1, -2, -1)

@@ -135,7 +135,7 @@ def _warm(interview: Interview) -> Checked:
     return _wrong(interview, map(interview.ask, guessed)), f"{len(guesses)} initial guesses"
 
 
-# name -> what is looked at, and the function that does; simple questions first
+# name -> title, and the function that makes the check; simple questions first
 _CHECKS: dict[str, tuple[str, Callable[[Interview], Checked]]] = {
     "loading": ("loads, and says what it is", behaviour.loading),
     "outcome": (

@@ -171,10 +171,9 @@ class Interview:
 
         They have the form of `ConformanceReport.answers`.
         """
-        answers = [seen.answer for seen in self.seen]
         endings = Counter(
-            str(answer.verdict) if answer.outcome is Outcome.RETURNED else UNANSWERED
-            for answer in answers
+            str(seen.answer.verdict) if seen.answer.outcome is Outcome.RETURNED else UNANSWERED
+            for seen in self.seen
         )
         return {name: endings[name] for name in (*map(str, Verdict), UNANSWERED)}
 

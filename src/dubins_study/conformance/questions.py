@@ -1,7 +1,7 @@
 """The labelled scenarios of the checks.
 
 Commands that ask them again are here too. Radii, speeds, start poses and headings differ from 1 and
-0 one after another: which questions fail says what a solver mixes up.
+0 one after another: the questions that fail show which of them a solver mixes up.
 """
 
 from __future__ import annotations

@@ -1,10 +1,10 @@
 """The code digest: changes when solvers must run again.
 
 A solver lies in a room: a folder of `solvers`, or a module directly in `solvers`. Its digest covers
-the code of the whole room, of every room of `solvers` and `asking` that the room's code names, of
-the attempt that judges an answer, and of `study`. Rooms are found by their dotted names in the
-code. An import inside a function therefore counts, like one at the top of a file. Comments,
-docstrings and layout do not.
+the code of the whole room, of the attempt that judges an answer, and of `study`. It also covers
+every room of `solvers` and `asking` that the room's code names. Rooms are found by their dotted
+names in the code. An import inside a function therefore counts, like one at the top of a file.
+Comments, docstrings and layout do not.
 """
 
 from __future__ import annotations
@@ -18,6 +18,7 @@ import re
 import sys
 from collections.abc import Iterable
 from functools import cache
+from itertools import chain
 from pathlib import Path as FilePath
 from typing import Any
 
@@ -128,7 +129,7 @@ def _installed_plugin(package_name: str) -> Sources:
     """
     package = sys.modules[package_name]
     folders = [FilePath(folder) for folder in getattr(package, "__path__", ())]
-    files = [file for folder in folders for file in folder.rglob("*.py")]
+    files = list(chain.from_iterable(folder.rglob("*.py") for folder in folders))
     root = folders[0].parent if folders else FilePath(str(package.__file__)).parent
     return _read_all(root, files or [FilePath(str(package.__file__))])
 

@@ -80,7 +80,7 @@ class Given(StrictModel):
     bound: _Finite | None = None
     seconds: Annotated[_Finite, Field(ge=0)] | None = None
     start_heading: _Finite | None = None  # rad, where the scenario's is free
-    # it stands where specs of solvers do, and must not read as one with settings
+    # it stands in the column of solvers' specs, and must not read as a spec with settings
     method: Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9 _.+-]{0,59}$")]
 
     @property
@@ -214,11 +214,11 @@ def read_answers(file: FilePath, asked: dict[str, Asked]) -> dict[tuple[str, str
         cells = {name: row.values.get(name) for name in COLUMNS}
         values = {name: cell for name, cell in cells.items() if cell not in (None, "")}
         try:
-            given = Given.model_validate({"method": file.stem} | values)
-            path = _path(given, asked)
-            if given.key in places:
+            answer = Given.model_validate({"method": file.stem} | values)
+            path = _path(answer, asked)
+            if answer.key in places:
                 raise AnswersError(
-                    f"id {given.id} of method {given.method} is in {places[given.key]} already; "
+                    f"id {answer.id} of method {answer.method} is in {places[answer.key]} already; "
                     "expected one answer"
                 )
         except ValidationError as error:
@@ -226,10 +226,10 @@ def read_answers(file: FilePath, asked: dict[str, Asked]) -> dict[tuple[str, str
         except AnswersError as error:
             problems.append(f"{row.place}: {error}")
         else:
-            solution = Solution(given.claim, path=path, lower_bound=given.bound)
-            times = Times(None, given.seconds, given.seconds)
-            answers[given.key] = Reply(Outcome.RETURNED, solution, times, versions="{}")
-            places[given.key] = row.place
+            solution = Solution(answer.claim, path=path, lower_bound=answer.bound)
+            times = Times(solve_s=answer.seconds, wall_s=answer.seconds)
+            answers[answer.key] = Reply(Outcome.RETURNED, solution, times, versions="{}")
+            places[answer.key] = row.place
     if not (answers or problems):
         problems = ["no answers; expected a row each"]
     if problems:
@@ -253,23 +253,23 @@ def _json_table(file: FilePath) -> Table:
     return Table([*_REQUIRED, *(name for name in names if name not in _REQUIRED)], rows, [])
 
 
-def _path(given: Given, asked: dict[str, Asked]) -> Path | None:
+def _path(answer: Given, asked: dict[str, Asked]) -> Path | None:
     """The path of an answer.
 
     None if the answer has no controls.
     """
-    if given.id not in asked:
-        near = did_you_mean(given.id, asked)
+    if answer.id not in asked:
+        near = did_you_mean(answer.id, asked)
         expected = "expected an id of the suite's instances.csv, as `dubins-study export` writes it"
-        raise AnswersError(f"id is {short(given.id)}; {near}{expected}")
-    if given.method in registered():
-        raise AnswersError(f"method is {given.method!r}, a solver of ours; expected another name")
-    scenario = asked[given.id].scenario
-    heading = given.start_heading
-    if given.curvatures is None and given.lengths is None:
+        raise AnswersError(f"id is {short(answer.id)}; {near}{expected}")
+    if answer.method in registered():
+        raise AnswersError(f"method is {answer.method!r}, a solver of ours; expected another name")
+    scenario = asked[answer.id].scenario
+    heading = answer.start_heading
+    if answer.curvatures is None and answer.lengths is None:
         return None
-    curvatures = given.curvatures or []
-    lengths = given.lengths or []
+    curvatures = answer.curvatures or []
+    lengths = answer.lengths or []
     if len(curvatures) != len(lengths):
         counts = f"curvatures has {len(curvatures)} numbers and lengths {len(lengths)}"
         raise AnswersError(f"{counts}; expected as many")

@@ -10,6 +10,7 @@ import warnings
 from collections import Counter
 from collections.abc import Iterator
 from contextlib import AbstractContextManager, closing
+from itertools import chain
 from pathlib import Path as FilePath
 from uuid import uuid4
 
@@ -168,7 +169,7 @@ def _solve(
                     unit = WorkUnit(settings, chains).remaining(done_keys)
                     unit = unit._replace(chains=shuffled(unit.chains, settings.seed))
                     if rising:
-                        writer.flush()  # the verdicts so far decide what is asked
+                        writer.flush()  # the verdicts so far decide which cells are asked
                         unit, rows = not_asked(folder, unit)
                         writer.add(rows)
                     if not unit.chains:
@@ -212,7 +213,7 @@ def _new_manifest(plan: RunPlan, command: str) -> Manifest:
     """
     profile = plan.experiment_file.experiment.profile
     solvers = {spec: describe_solver(spec, profile) for spec in plan.solver_specs}
-    packages = sorted({package for solver in solvers.values() for package in solver.packages})
+    packages = {*chain.from_iterable(solver.packages for solver in solvers.values())}
     entries = {
         spec: SolverEntry(
             settings=solver.settings,
@@ -221,7 +222,7 @@ def _new_manifest(plan: RunPlan, command: str) -> Manifest:
         )
         for spec, solver in solvers.items()
     }
-    return new_manifest(plan.experiment_file, command, entries, tuple(packages))
+    return new_manifest(plan.experiment_file, command, entries, tuple(sorted(packages)))
 
 
 def new_manifest(
@@ -235,6 +236,7 @@ def new_manifest(
     It has the versions of some packages.
     """
     experiment = file.experiment
+    pairs = matrix() if experiment.matrix else []
     return Manifest(
         experiment=Definition(
             name=file.name,
@@ -245,7 +247,7 @@ def new_manifest(
         **experiment.model_dump(include={"seed", "time_limit_s", "memory_limit_gib", "profile"}),
         gap_tolerance=tolerances(experiment.profile).gap,
         cells=0,
-        matrix=matrix() if experiment.matrix else [],
+        matrix=pairs,
         solvers=solvers,
         versions=versions(packages),
         machine=machine(),

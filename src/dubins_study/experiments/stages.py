@@ -19,7 +19,7 @@ from dubins_study.study.scenario import COLUMNS
 from dubins_study.study.scenario_frame import scenario_of
 from dubins_study.study.words import Outcome, Verdict
 
-# what does not tell whether a solver finds the shortest routes of a size
+# outcomes that do not show whether a solver finds the shortest routes of a size
 _UNTOLD = (Outcome.UNSUPPORTED, Outcome.UNAVAILABLE)
 
 

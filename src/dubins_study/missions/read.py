@@ -63,8 +63,8 @@ def read_mission(
         doubtful; warnings are logged too.
 
     Raises:
-        MissionError: if the file cannot be read or has no points, a number or heading is none, a
-            place is none on Earth, or points repeat; names the file and the line or item.
+        MissionError: if the file cannot be read or has no points, if a number, a heading or a place
+            on Earth is not valid, or if points repeat. It names the file and the line or item.
     """
     with at(str(file)):
         reading = _reading(text_of(file), columns, compass)
@@ -87,7 +87,7 @@ def _read_json(text: str, compass: bool) -> Reading:
     raise MissionError("it is neither a plan, with a member mission, nor GeoJSON, with a type")
 
 
-# what a text of each format has, and its reader; a table has none of these
+# pattern in the text of each format, and its reader; a table has none of the patterns
 _FORMATS = (
     (r"\AQGC WPL\b", read_wpl),
     (r"\A\s*<", read_xml),

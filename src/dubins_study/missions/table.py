@@ -19,7 +19,7 @@ from dubins_study.study.delimited import Row, Rows, read_rows
 from dubins_study.study.values import plain
 
 _LOG = logging.getLogger(__name__)
-# names of columns for each field of a point, without what is no letter
+# names of columns for each field of a point, letters only
 _NAMES = {
     "x": "x xm east eastm easting eastingm rechtswert",
     "y": "y ym north northm northing northingm hochwert",

@@ -22,7 +22,9 @@ def arranged(
     `--from 0 0 --radius 3` as the heading `--radius` and one argument too many.
     """
     takers = [param for param in params if param.param_type_name == "option" and not param.is_flag]
-    options = {name: param for param in takers for name in param.opts}
+    options: dict[str, Any] = {}
+    for param in takers:
+        options |= dict.fromkeys(param.opts, param)
     option_words: list[str] = []
     arguments: list[str] = []
     seen: set[str] = set()

@@ -77,7 +77,7 @@ class StrictModel(BaseModel):
 class _Law(StrictModel):
     """Evenly spread values (`linear`), or evenly spread logarithms (`log`)."""
 
-    written: ClassVar[str]  # what follows the name of the law
+    written: ClassVar[str]  # the list after the name of the law, in messages
 
     @model_validator(mode="after")
     def _check_law(self) -> Self:

@@ -66,8 +66,8 @@ def refusal(file: str, problems: list[Problem], text: str = "") -> str:
     """
     placed = [(line_of(path, text) or 0, sentence) for path, sentence in problems]
     placed.sort(key=lambda place: place[0])
-    unique = dict.fromkeys(f"line {n}: {sentence}" if n else sentence for n, sentence in placed)
-    sentences = list(unique)
+    lines = [f"line {n}: {sentence}" if n else sentence for n, sentence in placed]
+    sentences = list(dict.fromkeys(lines))
     if len(sentences) == 1:
         return f"{file}: {sentences[0]}"
     more = len(sentences) - _MAX_PROBLEMS

@@ -24,7 +24,7 @@ from dubins_study.study.values import nearest, number_of_text, plain, short
 
 _LOG = logging.getLogger(__name__)
 _FLAGS = {"true": True, "True": True, "false": False, "False": False}
-# of other columns an empty cell is a measurement that is missing
+# in any other column an empty cell is refused: a measurement is missing
 _MAY_BE_EMPTY = ("speed", "label", *VIA, "final_heading", *TOUR, "target_x", "target_y")
 
 

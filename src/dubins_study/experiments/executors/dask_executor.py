@@ -26,9 +26,10 @@ _LOG = logging.getLogger(__name__)
 _LOGGERS = ("distributed", "tornado", "asyncio")
 
 # Cells per unit: quick ones fill the second after which a worker returns a unit, slow ones do not
-# travel back and forth in vain. Near the end of a run a unit holds one part in so many of the cells
-# left per thread, so that all threads finish at about the same time.
+# travel back and forth in vain.
 _MAX_CELLS = 256
+# Near the end of a run, the cells that are left for a thread are sent in four parts, so that all
+# threads finish at about the same time.
 _PARTS_PER_THREAD = 4
 # Units sent per thread: the one that is being solved, and the next.
 _UNITS_PER_THREAD = 2
@@ -37,8 +38,9 @@ _UNITS_PER_THREAD = 2
 _RETRIES = 1
 # Seconds between two looks for replies; each yields, so that the caller can write rows.
 _POLL_INTERVAL_S = 0.1
-# Seconds to wait for a result, and for an answer of the scheduler or of every worker.
+# Seconds to wait for a result.
 _FETCH_WAIT_S = 30.0
+# Seconds to wait for an answer of the scheduler or of every worker.
 _ANSWER_WAIT_S = 10.0
 _LOST = "the connection to the Dask scheduler is lost"
 
@@ -132,7 +134,7 @@ class _Submission:
                 if reply.refusal:
                     raise RunError(reply.refusal)
                 if not (stopping or stop.requested):
-                    # what the worker has not solved comes first again
+                    # the cells that the worker has not solved come first again
                     rest = unit.remaining({row_key(row) for row in rows})
                     self._waiting.extendleft(reversed(rest.chains))
 
@@ -200,7 +202,9 @@ class _Submission:
 
 def _explanation(error: Exception) -> str:
     cause = error.__cause__
-    message = exception_text(cause if isinstance(cause, Exception) else error)
+    if not isinstance(cause, Exception):
+        cause = error
+    message = exception_text(cause)
     if isinstance(error, ImportError | AttributeError) or "deserializ" in str(error):
         return (
             f"dubins-study is not on a Dask worker, or of another version ({message}); expected "

@@ -10,6 +10,7 @@ import pickle
 import socket
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from itertools import chain
 from pathlib import Path as FilePath
 from time import monotonic
 from typing import Any, NamedTuple
@@ -23,8 +24,8 @@ from dubins_study.experiments.isolation.pool import RunError, WorkerPool
 from dubins_study.experiments.plan.run_plan import RunSettings
 from dubins_study.study.rows.parts import Row, rows_table
 
-# Seconds after which a unit is returned, even if cells are left: rows are written every second, and
-# a unit of slow solvers must not keep other workers waiting at the end.
+# Seconds after which a unit is returned, even if cells are left. Rows are written every second, and
+# near the end of a run no worker must wait for a unit of slow solvers.
 _UNIT_S = 1.0
 _PACKAGE = FilePath(__file__).parents[2]
 
@@ -60,7 +61,7 @@ def _source_files() -> frozenset[tuple[str, int, int]]:
     Each has its name, modification time (ns) and size (bytes).
     """
     rooms = ("study", "solvers", "experiments")
-    files = [file for room in rooms for file in (_PACKAGE / room).rglob("*.py")]
+    files = chain.from_iterable((_PACKAGE / room).rglob("*.py") for room in rooms)
     return frozenset((f.name, f.stat().st_mtime_ns, f.stat().st_size) for f in files)
 
 

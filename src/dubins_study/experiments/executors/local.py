@@ -66,7 +66,7 @@ def solve_chains(
 
     The list is empty if none come for a while.
     """
-    for chain in unit.chains:  # what is compiled; in a worker the limit would end that
+    for chain in unit.chains:  # compiles loops; in a worker the time limit would end that
         prepare(chain[0].scenario, chain[0].branch)
     for results in pool.solve(_first_jobs(unit), stop):
         rows = []

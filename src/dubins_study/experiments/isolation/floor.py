@@ -1,7 +1,7 @@
 """Floor of a time: seconds for a trivial problem.
 
-The engine solves it through the same adapter. Beside the time of a solve it says how much of it is
-the adapter's and the engine's own overhead.
+The engine solves it through the same adapter. Beside the time of a solve, the floor shows the
+overhead of the adapter and the engine.
 """
 
 from __future__ import annotations
@@ -30,8 +30,7 @@ from dubins_study.study.convex.problem import read
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.words import DERIVATIVE_FREE, NLP, PROVEN, QP, ROOTS, SAMPLING
 
-# The first call loads and compiles; the least of the others counts, and there are several if they
-# are quick.
+# The first call loads and compiles. Of the others, the shortest counts; quick ones are repeated.
 _REPEATS = 5
 _QUICK_S = 0.1
 _LIMIT_S = 1.0

@@ -45,15 +45,14 @@ _PROGRAM = (
 )
 # Seconds that the server may take to import our modules on a busy machine.
 _START_UP_S = 120.0
-# Seconds to wait until a killed process has ended, and until a stopped server has killed its
-# descendants and ended.
+# Seconds to wait until a killed process has ended.
 _KILL_WAIT_S = 2.0
+# Seconds to wait until a stopped server has killed its descendants and ended.
 _STOP_WAIT_S = 5.0
 # Options of Linux's prctl.
 _PR_SET_PDEATHSIG = 1
 _PR_SET_CHILD_SUBREAPER = 36
-# Rounds of killing, and seconds per round: a killed process may leave children, which the next
-# round kills.
+# Rounds of killing: a killed process may leave children, which the next round kills.
 _MAX_KILL_ROUNDS = 400
 _KILL_ROUND_S = 0.005
 
@@ -132,7 +131,7 @@ class _ForkServer:
                 self._control, server_end = socket.socketpair()
                 with server_end:
                     self._process = subprocess.Popen(
-                        # -u: what a solver has printed is read even if its process crashes
+                        # -u: the output of a solver is read even if its process crashes
                         [sys.executable, "-uPc", _PROGRAM, json.dumps(_search_path())],
                         stdin=server_end.fileno(),
                         stdout=subprocess.DEVNULL,

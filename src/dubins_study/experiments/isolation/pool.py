@@ -36,14 +36,14 @@ _SOLVE = "solve"
 # Seconds beyond the time limit: a solver that respects the limit needs a moment to send its answer.
 # With the poll interval and the kill itself, a solve ends within 0.3 s of its limit.
 GRACE_S = 0.1
-# Seconds that a solver may take to load, and that a warm-up may take beyond the time limit: it
-# loads what later solves find loaded.
+# Seconds that a solver may take to load.
 _LOADING = Allowance(60.0, activity="loading the solver")
+# Seconds that a warm-up may take beyond the time limit: it loads libraries for later solves.
 _WARM_UP_S = 10.0
-_LEG_ROUTE = (False, True)  # what a solver is warmed up on: whether it is a route
+_LEG_ROUTE = (False, True)  # whether the question of a warm-up is a route
 _PROBING = Allowance(60.0, activity="measuring its speed")
-# A worker that never waits for its pool has jobs in advance: as long as those that it has are
-# expected to take less than `AHEAD_S`, and at most `_AHEAD_JOBS`.
+# A worker gets jobs in advance, so that it never waits for its pool. It gets one more if its jobs
+# are expected to take less than `AHEAD_S`, and has at most `_AHEAD_JOBS`.
 AHEAD_S = 0.05
 _AHEAD_JOBS = 64
 # After this many seconds without a reply, yield an empty list, so that the caller can write rows.
@@ -153,7 +153,7 @@ class WorkerPool:
         self._warm_up = warm_up
         # Warm-ups that ended a worker: solvers, on a leg or on a route; they go without.
         self._without_warm_up: set[tuple[SolverKey, bool]] = set()
-        # Solver that has answered -> seconds that its next solve is expected to take: as its last.
+        # Solver that has answered -> seconds of its last solve, which are expected of the next.
         self._expected_s: dict[SolverKey, float] = {}
         # Solver that ended its worker while it was loaded -> the reply to its other jobs.
         self._unloadable: dict[SolverKey, Reply] = {}

@@ -34,15 +34,15 @@ ONE_THREAD = dict.fromkeys(
     (f"{library}_NUM_THREADS" for library in ("OMP", "OPENBLAS", "MKL")), str(THREADS)
 )
 # Bytes beyond the memory limit at which a solver's own allocations fail. The pool checks the limit
-# every few hundredths of a second; the margin is for what a solver takes between two checks.
+# every few hundredths of a second; a solver may take more memory between two checks.
 _MARGIN_BYTES = 512 * 2**20
 # Seed of the global random generators before every solve, so that a solve can be repeated.
 SEED = 0
 
 _SIGNALS = [s for s in signal.Signals if s not in (signal.SIGKILL, signal.SIGSTOP)]
-# Share of the memory limit that solves may leave allocated, and number of files that they may leave
-# open.
+# Share of the memory limit that solves may leave allocated.
 _MAX_LEAK_SHARE = 0.25
+# Number of files that solves may leave open.
 _MAX_OPEN_FILES = 64
 # Functions that a solver must not replace.
 _clocks = attrgetter("time", "monotonic", "perf_counter", "process_time", "perf_counter_ns")

@@ -24,17 +24,17 @@ from dubins_study.experiments.isolation.fork_server import fork
 from dubins_study.study.rows.schema import Times
 from dubins_study.study.words import Outcome
 
-# Seconds between two checks of the limits. The memory of a worker's children is read at every tenth
-# check only: listing them takes milliseconds if many processes run.
+# Seconds between two checks of the limits.
 POLL_INTERVAL_S = 0.02
+# The memory of a worker's children is read at every tenth check only: listing them takes
+# milliseconds if many processes run.
 _CHECKS_PER_CHILDREN_CHECK = 10
 # Seconds within which an idle worker must begin its next task.
 _STALL_S = 10.0
 # Seconds that count at most between two checks. In a longer pause the run was suspended.
 _MAX_PAUSE_S = 1.0
-# Length of the last output that is kept, in bytes, and that a message shows, in characters.
-_OUTPUT_BYTES = 400
-_OUTPUT_CHARS = 200
+_OUTPUT_BYTES = 400  # length of the last output that is kept
+_OUTPUT_CHARS = 200  # length of the last output that a message shows
 _READ_BYTES = 2**20
 _GIB = 2**30
 
@@ -47,7 +47,7 @@ class Allowance(NamedTuple):
 
     limit_s: float
     margin_s: float = 0.0
-    activity: str = ""  # what the worker does, where the limit is not the caller's
+    activity: str = ""  # the worker's activity, if the limit is not the caller's
 
 
 _STARTING = Allowance(60.0, activity="starting a worker")
@@ -233,7 +233,7 @@ class WorkerProcess:
         return no_answer(outcome, message, status=status)
 
     def last_output(self) -> str:
-        """The end of what the worker has printed."""
+        """The end of the worker's output."""
         if not self.closed:
             self._read_output()
         return " ".join(self._output.decode("utf-8", "replace").split())[-_OUTPUT_CHARS:]

@@ -176,7 +176,7 @@ def chains(experiment: Experiment, file: str = "the experiment", text: str = "")
     unique: dict[tuple[Key, ...], Chain] = {}
     sweeps: dict[Key, str] = {}  # warm cell -> the block whose sweep it is in
     for plan in block_plans(experiment, file, text):
-        if problems and plan.path == ("first",):  # whose problems are those of others
+        if problems and plan.path == ("first",):  # its problems are those of other blocks
             continue
         try:
             for chain in _block_chains(plan, experiment.profile):

@@ -2,8 +2,8 @@
 
 They are the laws of `field`, beside random points.
 
-A law takes a generator and a number n of steps, and returns n + 1 points, the start first, in the
-order in which they would be flown; shape (n + 1, 2). Its unit is the distance that a block asks
+A law takes a generator and a number n of steps. It returns n + 1 points, shape (n + 1, 2), in the
+order in which they would be flown, the start first. Its unit is the distance that a block asks
 for. The generator turns the whole field, so that none lies along an axis.
 """
 

@@ -40,14 +40,15 @@ Fields = dict[str, Any]
 def scenario_id(scenario: Scenario) -> str:
     """The id of a scenario: 16 hexadecimal digits.
 
-    They are the first digits of the SHA-256 of the fields of `NUMBERS` as little-endian doubles,
-    followed by the label in UTF-8 and, if the scenario has via points or a final heading, by the
-    byte 255, which is in no UTF-8, and these numbers as doubles. Headings at via points, an order
-    that is free and a path that is closed follow after another such byte. What is free or left out
-    is NaN.
+    They are the first digits of a SHA-256. Its input begins with the fields of `NUMBERS` as
+    little-endian doubles and the label in UTF-8. If the scenario has via points or a final heading,
+    the byte 255, which is in no UTF-8, and these numbers as doubles follow. Headings at via points,
+    an order that is free and a path that is closed follow after another such byte. A value that is
+    free or left out is NaN.
     """
     values = (getattr(scenario, name) for name in NUMBERS)
-    packed = _PACKED_NUMBERS.pack(*(math.nan if value is None else value for value in values))
+    doubles = [math.nan if value is None else value for value in values]
+    packed = _PACKED_NUMBERS.pack(*doubles)
     packed += scenario.label.encode()
     numbers = list(itertools.chain.from_iterable(point[:2] for point in scenario.via))
     if scenario.final_heading is not None:  # the number of numbers tells it from a point's
@@ -73,7 +74,7 @@ def scenarios(block: Block, key: str) -> Iterator[Scenario]:
     """All scenarios of a block.
 
     A scenario that is not valid is named by the block's key. The via points vary fastest, then the
-    last of `FIELDS`, and what is drawn slowest.
+    last of `FIELDS`. Drawn values vary slowest.
     """
     if (listed := _listed(block)) is not None:
         yield from listed

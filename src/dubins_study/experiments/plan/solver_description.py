@@ -102,7 +102,7 @@ def _describe(spec: str, profile: str) -> SolverDescription:
     solver = load(spec, profile)
     # a plug-in inherits no promise: its changes of one of our solvers may break it
     promises = ours(spec) or "keeps_limit" in vars(type(solver))
-    runs = solver.runs
+    runs = None if solver.runs is None else str(solver.runs)
     return SolverDescription(
         spec=canonical(spec, profile),
         method=stated_method(solver),
@@ -110,7 +110,7 @@ def _describe(spec: str, profile: str) -> SolverDescription:
         settings=plain_settings(solver),
         packages=tuple(str(package) for package in solver.packages),
         warm=bool(solver.warm),
-        runs=runs if runs is None else str(runs),
+        runs=runs,
         keeps_limit=bool(solver.keeps_limit) and promises,
         whole_frames=solver.solve_frame is not None,
     )

@@ -118,9 +118,9 @@ def prepare_folder(folder: FilePath) -> None:
 def open_folder(folder: FilePath, manifest: Manifest, restart: bool) -> tuple[Manifest, list[str]]:
     """Repair a locked folder, and check its experiment.
 
-    This process has locked it. It must hold the same experiment. The manifest is returned joined
-    with that of earlier runs, with one sentence per repair; a folder of another experiment or
-    schema is refused and stays as it is. `restart` deletes rows.
+    This process has locked it. The manifest is returned, joined with that of earlier runs, with one
+    sentence per repair. A folder of another experiment or schema is refused and stays as it is.
+    `restart` deletes rows.
     """
     with os_errors_as(f"cannot write to {folder}"):
         if (folder / MANIFEST).exists() and not restart:

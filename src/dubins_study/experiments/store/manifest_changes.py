@@ -98,8 +98,8 @@ class RunRecord:
         ended = provenance.now()
         load = provenance.load_average()
         if error_type is None:
-            finished = ended if self._completes else None
-            self._manifest = self._manifest.with_changes(finished=finished)
+            if self._completes:
+                self._manifest = self._manifest.with_changes(finished=ended)
             self.write(state=FINISHED, ended=ended, load_end=load)
             return
         with suppress(ResultsError):  # a full disk was reported already

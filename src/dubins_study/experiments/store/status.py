@@ -118,7 +118,7 @@ def _status(
     waiting = sum(left.values())
     seconds_left = float(current["wall_s"].mean()) * waiting / jobs if waiting else 0.0
     pid = lock_holder(folder).get("pid", 0) if live else None
-    aside = folder / DAMAGED
+    time_left = None if math.isnan(seconds_left) else seconds_left
     return Status(
         folder=str(folder),
         cells=manifest.cells,
@@ -129,11 +129,11 @@ def _status(
         verdicts={str(s): _counts(group) for s, group in endings.groupby(current["solver"])},
         stale=len(rows) - len(current),
         damaged=damaged,
-        aside=len(list(aside.glob("*.parquet"))) if aside.is_dir() else 0,
+        aside=len(list((folder / DAMAGED).glob("*.parquet"))),
         finished=bool(manifest.finished) and not live and not left,
         process=pid if pid is None or isinstance(pid, int) else 0,
         jobs=jobs,
-        seconds_left=None if math.isnan(seconds_left) else seconds_left,
+        seconds_left=time_left,
         runs=runs,
     )
 
