@@ -72,11 +72,11 @@ def ask(
     began = perf_counter()
     built = None
     try:
-        without_engine = presolved(question) if solver.presolve is True else None
-        model = without_engine or solver.build(question)
+        presolve_solution = presolved(question) if solver.presolve is True else None
+        model = presolve_solution or solver.build(question)
         built = perf_counter()
         limit_left = max((1 - _HELD_BACK) * limit - (built - began), _HELD_BACK * limit)
-        solution = without_engine or solver.solve(model, limit_left)
+        solution = presolve_solution or solver.solve(model, limit_left)
         ended = perf_counter()
         if not isinstance(solution, Solution):
             raise TypeError(f"solve returned {type(solution).__name__}; expected a Solution")

@@ -51,7 +51,7 @@ def export(
     from dubins_study.study.scenario import Scenario
 
     scenario = Scenario(*arguments.start_pose(start), x, y, radius)
-    text = export_model(scenario, model, file_format, order)
+    text = export_model(scenario, model=model, format=file_format, order=order)
     if out is None:
         print(text, end="")
         return

@@ -296,7 +296,7 @@ def united(*findings: Iterable[Finding]) -> list[Finding]:
 
 
 # A path fits a guess if it ends within 0.001 radii of the target, and is at most 0.1 % too tight.
-# This is far more than a solver's tolerance, and far less than a wrong guess would need.
+# Solvers' tolerances are far smaller, and the misses of wrong guesses far larger.
 _FIT = 1e-3
 _LOOSE = Tolerances(miss=_FIT, curvature=_FIT)
 _POSITIONS = (

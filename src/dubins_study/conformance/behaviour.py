@@ -137,7 +137,7 @@ def determinism(interview: Interview) -> Checked:
                     f"{_summary(again.answer)}; the first time {_summary(one.answer)}"
                 )
                 label = one.question.scenario.label
-                findings.append(Finding(Status.FAIL, observed, advice, question=label))
+                findings.append(Finding(Status.FAIL, observed, advice=advice, question=label))
     if not compared:
         raise NotApplicableError("its answers took the whole time limit; raise --time-limit")
     if not findings and all(one.answer.path is None for one in first):
@@ -202,18 +202,18 @@ def state(interview: Interview) -> Checked:
             "worker after every question, which takes longer than most solves"
         )
         observed = f"after a solve this is not as it was before: {change}"
-        findings.append(Finding(Status.FAIL, observed, advice, count=count))
+        findings.append(Finding(Status.FAIL, observed, advice=advice, count=count))
     # after any other outcome a solver could not have removed its files
     ended = [one for one in seen if one.answer.outcome in (Outcome.RETURNED, Outcome.RAISED)]
     files = sorted(set(chain.from_iterable(one.files for one in ended)))
     if files:
         observed = f"it leaves files in the working directory: {', '.join(files[:3])}"
         advice = "write into a tempfile.TemporaryDirectory()"
-        findings.append(Finding(Status.FAIL, observed, advice, count=len(files)))
+        findings.append(Finding(Status.FAIL, observed, advice=advice, count=len(files)))
     outputs = [one.observed.output for one in seen if not one.observed.loaded]
     if loud := list(filter(None, outputs)):
         advice = "switch the output of the library off, or leave print out"
         status = Status.FAIL if interview.declared["keeps_limit"] else Status.NOTE
         observed = f"it prints: {loud[0][-120:]}"
-        findings.append(Finding(status, observed, advice, count=len(loud)))
+        findings.append(Finding(status, observed, advice=advice, count=len(loud)))
     return findings, f"{len(seen)} questions"

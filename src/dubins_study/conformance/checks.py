@@ -218,7 +218,7 @@ def check_solver(
         return ConformanceReport(spec, tuple(results), {}, monotonic() - began)
     results = []
     with closing(source):
-        interview = Interview(spec, source, profile, time_limit, total_time_limit)
+        interview = Interview(spec, source, profile, limit=time_limit, total_limit=total_time_limit)
         for result in _results(interview, names):
             results.append(result)
             if progress is not None:

@@ -81,7 +81,7 @@ class Worker:
         """
         process = self._load()
         task = ["ask", encode_question(question), limit]
-        allowance = Allowance(limit, GRACE_S + self._extra_s)
+        allowance = Allowance(limit, margin_s=GRACE_S + self._extra_s)
         event = process.request(task, allowance)
         self._extra_s = 0.0  # only the first question of a process has more time
         output = process.last_output()
@@ -230,7 +230,8 @@ class Interview:
         observed = self.source.ask(question, limit)
         answer = judged(self.spec, question, observed.reply, self.tolerances, self._method)
         files = self._new_files()
-        seen = Seen(answer, question, observed, files, monotonic() - began, limit)
+        seconds = monotonic() - began
+        seen = Seen(answer, question, observed, files, seconds=seconds, limit=limit)
         self._timeouts = self._timeouts + 1 if answer.outcome is Outcome.TIMEOUT else 0
         self.seen.append(seen)
         if cold:

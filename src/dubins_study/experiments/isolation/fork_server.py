@@ -215,7 +215,7 @@ def _forked(message: list[Any]) -> ForkedProcess:
         line.setblocking(False)
         os.set_blocking(output, False)
         caller_ends.pop_all()
-        return ForkedProcess(int.from_bytes(pid), channel, output, exit_pipe)
+        return ForkedProcess(int.from_bytes(pid), channel, output=output, exit_pipe=exit_pipe)
 
 
 def _search_path() -> list[str]:

@@ -315,7 +315,7 @@ class WorkerPool:
                 activity = "warming up on a route" if route else "warming up on a leg"
                 worker.put(message, Allowance(limit_s + _WARM_UP_S, activity=activity), job)
         message = [_SOLVE, *key, encode_question(job.question), limit_s]
-        worker.put(message, Allowance(limit_s, GRACE_S), job)
+        worker.put(message, Allowance(limit_s, margin_s=GRACE_S), job)
 
     def _answered(self, worker: _Worker, answer: Answered) -> Results:
         """The answered job with its reply, if any.

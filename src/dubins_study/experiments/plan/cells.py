@@ -244,8 +244,8 @@ def _add_sweep(sweeps: dict[Key, str], keys: tuple[Key, ...], block_key: str) ->
 def given_guess(cell: Cell) -> Path | None:
     """The path that a cell's `initial_guess` gives.
 
-    The guess holds its lengths; there is no path for `cold` and `warm`. It begins with the start
-    heading; where that is free, there is none.
+    The guess holds the path's lengths; for `cold` and `warm` there is no path. The path begins with
+    the start heading. If that is free, there is no path either.
     """
     if cell.initial_guess in ("cold", "warm") or cell.scenario.heading is None:
         return None

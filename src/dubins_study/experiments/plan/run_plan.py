@@ -228,7 +228,7 @@ def _comment_on(listed: list[Scenario]) -> str:
 def _listed_blocks(listed: list[Scenario], file: ExperimentFile) -> list[ListedBlock]:
     """Blocks for the scenarios of a file.
 
-    Scenarios that the experiment has too are asked as it asks them. A sample of a suite so keeps
+    Scenarios that the experiment has too are asked as it asks them. A sample of a suite thus keeps
     the time limit and the branches of each of its questions.
     """
     experiment = file.experiment

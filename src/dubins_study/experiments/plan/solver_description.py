@@ -83,8 +83,8 @@ def describe_solver(spec: str, profile: str = "default") -> SolverDescription:
 def why_unavailable(spec: str, profile: str = "default") -> str | None:
     """Why a solver cannot run here, or None.
 
-    It is None too if a plug-in does not answer in time. One that dies or hangs where it is asked
-    does so in its rows.
+    It is None too if a plug-in does not answer in time. A plug-in that dies or hangs here does so
+    in its rows as well.
     """
     if ours(spec):
         return _availability(spec, profile)

@@ -113,7 +113,7 @@ class RunRecord:
         self._probes_taken += 1
         if self._probes_taken % self._probe_stride == 0:
             when = round(monotonic() - self._began, 3)
-            self._probes.append(Probe(when, round(seconds, 9), machine))
+            self._probes.append(Probe(when, took=round(seconds, 9), machine=machine))
             if len(self._probes) > _MAX_PROBES:
                 self._probe_stride *= 2
                 del self._probes[::2]

@@ -158,8 +158,9 @@ def _unite(folders: Sequence[FilePath], manifests: Sequence[Manifest], fresh: Fi
         ends = [other.finished for other in manifests if other.finished]
         manifest = manifest.with_changes(finished=max(ends, default=None) or now())
     write_manifest(fresh, manifest)
+    rows = counts.total()
     current = sum(counts[code] for code in manifest.code_digests.items())
-    return Union(fresh, counts.total(), repeats, counts.total() - current)
+    return Union(fresh, rows=rows, agreeing_repeats=repeats, stale=rows - current)
 
 
 def _unite_manifests(manifests: Sequence[Manifest]) -> Manifest:
