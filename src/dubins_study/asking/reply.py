@@ -1,4 +1,4 @@
-"""A question put to a solver, and its timed reply."""
+"""A solver's reply to a question, with its times."""
 
 from __future__ import annotations
 

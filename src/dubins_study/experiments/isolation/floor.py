@@ -102,7 +102,7 @@ def _nlp(engine: str) -> Callable[[], Any] | None:
 
 
 def _proven(engine: str) -> Callable[[], Any]:
-    """The least x from 0 to 2, at least 1."""
+    """The least x in [1, 2], as a program."""
     from dubins_study.solvers.minlp_engines.mixed_program import (
         MixedProgram,
         Row,
