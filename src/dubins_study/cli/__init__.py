@@ -1,1 +1,4 @@
-"""The command line: each command parses, calls the library and prints."""
+"""The command line: thin commands over the library.
+
+Each command parses, calls the library and prints.
+"""

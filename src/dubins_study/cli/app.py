@@ -1,4 +1,7 @@
-"""The command line `dubins-study`: one module per command, joined here; `_HELP` says the rest."""
+"""The command line `dubins-study`: all commands in one.
+
+Each command has a module of its own. `_HELP` tells more.
+"""
 
 from __future__ import annotations
 
@@ -99,7 +102,10 @@ _SHARED = typer.main.get_command(_of_all).params  # the options --quiet and --ve
 
 
 class _Command(TyperCommand):
-    """A command with --quiet and --verbose, which takes negative numbers and Ctrl-C."""
+    """A command with --quiet and --verbose.
+
+    It takes negative numbers and Ctrl-C.
+    """
 
     def __init__(self, *arguments: Any, **settings: Any) -> None:
         super().__init__(*arguments, **settings)
@@ -125,7 +131,10 @@ class _Command(TyperCommand):
 
 
 def examples(words: str) -> list[str]:
-    """The examples of a command, `new` or `new solver`; of the whole program one of three each."""
+    """The examples of a command, or of the program.
+
+    A command is such as `new` or `new solver`. The program has one example each of three commands.
+    """
     if not words:
         return [examples(name)[0] for name in ("solve", "run", "report")]
     return [line for line in EXAMPLES if f"{line} ".startswith(f"{PROGRAM} {words} ")]
@@ -136,8 +145,8 @@ def _epilog(words: str) -> str:
     return "\n".join(["\b", "Examples:", *(f"  {line}" for line in examples(words))])
 
 
-def _print_version(asked: bool) -> None:
-    if asked:
+def _print_version(requested: bool) -> None:
+    if requested:
         from importlib.metadata import version
 
         print(f"{PROGRAM} {version(PROGRAM)}")
@@ -145,7 +154,10 @@ def _print_version(asked: bool) -> None:
 
 
 def _group(words: str, text: str, functions: Sequence[Callable[..., None]]) -> typer.Typer:
-    """Commands that are called like their functions, behind `words`; help ends with examples."""
+    """Commands behind `words`, called like their functions.
+
+    Their help ends with examples.
+    """
     group = typer.Typer(
         help=text,
         no_args_is_help=True,
@@ -197,7 +209,10 @@ def _options(
 
 
 def main() -> None:
-    """The command `dubins-study`. Exit code 2 and one message if the request is bad."""
+    """The command `dubins-study`.
+
+    If the request is bad, it prints one message and exits with code 2.
+    """
     try:
         try:
             sys.exit(app(prog_name=PROGRAM, standalone_mode=False) or 0)
@@ -207,17 +222,19 @@ def main() -> None:
     except OSError as error:
         if error.errno not in (errno.EPIPE, errno.ENOSPC):
             raise
-        # drop what is not yet written: the interpreter would try once more as it ends
+        # drop the rest of the output: the interpreter would try to write it as it ends
         sys.stdout = open(os.devnull, "w", encoding="utf-8")  # noqa: PTH123, SIM115
         if error.errno == errno.EPIPE:  # the reader has what it wanted
             sys.exit(0)
         _refuse(f"the output cannot be written: {error.strerror}")
     except TyperException as error:
-        message, context = error.format_message(), getattr(error, "ctx", None)
-        if message.startswith("Usage:"):  # the help of a group of which no command is named
+        message = error.format_message()
+        if message.startswith("Usage:"):  # the help of a group without a command
             print(message, file=sys.stderr)
             sys.exit(2)
-        _refuse(f"{message.rstrip('.')}; see {context.command_path if context else PROGRAM} --help")
+        context = getattr(error, "ctx", None)
+        command = context.command_path if context else PROGRAM
+        _refuse(f"{message.rstrip('.')}; see {command} --help")
     except ModuleNotFoundError as error:
         refuse_missing(error)
     except DubinsStudyError as error:  # any other exception is a bug and shows its traceback
@@ -225,7 +242,10 @@ def main() -> None:
 
 
 def _refuse(message: str) -> None:
-    """End with exit code 2; a line break is kept where the message starts the item of a list."""
+    """End with exit code 2 and a message.
+
+    A line break is kept where the message starts the item of a list.
+    """
     lines = re.split(r"\n(?=  )", f"{PROGRAM}: {message}")
     print(*map(plain, lines), sep="\n", file=sys.stderr)
     sys.exit(2)

@@ -1,10 +1,14 @@
-"""`dubins-study audit`: the paper's tables and other published lengths, recomputed."""
+"""`dubins-study audit`: published lengths, recomputed.
+
+They are the tables of the paper, and other published lengths.
+"""
 
 from __future__ import annotations
 
 import json
 import sys
 from collections import Counter
+from itertools import chain
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
@@ -36,19 +40,23 @@ def audit(
     if lines:
         lines = ["dubins-study: the code contradicts the committed audit:", *lines]
         print(*lines, sep="\n", file=sys.stderr)
-    raise typer.Exit(1 if lines else 0)
+    raise typer.Exit(int(bool(lines)))
 
 
 def _audit_kaya(as_json: bool) -> list[str]:
-    """Print the audit of Kaya's routes; in what it is another than the committed one."""
+    """Print the audit of Kaya's routes.
+
+    Its differences from the committed audit are returned.
+    """
     from dubins_study.experiments.definition.experiment import read
     from dubins_study.experiments.plan.scenarios import scenarios
     from dubins_study.report.paper.routes import audit_routes
 
     blocks = read("kaya").experiment.scenarios
-    routes = [scenario for block in blocks for scenario in scenarios(block, block.label)]
-    records = audit_routes(routes)
-    print(json.dumps(records, indent=1, allow_nan=False) if as_json else routes_text(records))
+    routes = chain.from_iterable(scenarios(block, block.label) for block in blocks)
+    records = audit_routes(list(routes))
+    text = json.dumps(records, indent=1, allow_nan=False) if as_json else routes_text(records)
+    print(text)
     return [
         "{source}, {label}: {verdict}, not {expected}".format(**record)
         for record in records
@@ -57,7 +65,10 @@ def _audit_kaya(as_json: bool) -> list[str]:
 
 
 def routes_text(records: list[Record]) -> str:
-    """The table of the report, the shortest path of each route, and what is printed wrong."""
+    """The audit of routes as text.
+
+    It has the table of the report, the shortest path of each route, and the wrong printed lengths.
+    """
     import pandas as pd
 
     from dubins_study.report.topics.audit_tables import routes_table
@@ -74,7 +85,10 @@ def routes_text(records: list[Record]) -> str:
 
 
 def _audit_paper(as_json: bool) -> list[str]:
-    """Print the audit of the paper's tables; in what it contradicts the committed one."""
+    """Print the audit of the paper's tables.
+
+    Its contradictions with the committed audit are returned.
+    """
     from dubins_study.report.paper.audit import audit as recompute
     from dubins_study.report.paper.audit import contradictions
     from dubins_study.report.paper.printed import committed
@@ -82,12 +96,16 @@ def _audit_paper(as_json: bool) -> list[str]:
     record = recompute()
     # Flush before the committed audit is read: stdout may be redirected into that file.
     committed_form = json.dumps(record, indent=1, ensure_ascii=False, allow_nan=False)
-    print(committed_form if as_json else audit_text(record), flush=True)
+    text = committed_form if as_json else audit_text(record)
+    print(text, flush=True)
     return contradictions(record, committed())
 
 
 def audit_text(record: Record) -> str:
-    """How many printed lengths are right, and the tables of the report."""
+    """The audit of the paper as text.
+
+    It tells how many printed lengths are right, and has the tables of the report.
+    """
     from dubins_study.report.topics.audit_tables import audit_tables
 
     verdicts = Counter(cell["verdict"] for cell in record["cells"])

@@ -1,4 +1,7 @@
-"""`dubins-study check-solver`: does a solver keep its promise, and what to do where it does not."""
+"""`dubins-study check-solver`: does a solver keep its promise?
+
+Where it does not, the report tells what to do.
+"""
 
 from __future__ import annotations
 
@@ -47,6 +50,8 @@ def check_solver(
             profile=profile,
             progress=progress,
         )
-    text = report_text(report, output.terminal_width())
-    print(json.dumps(report.to_dict(), indent=2) if as_json else text)
-    raise typer.Exit(0 if report.passed else 1)
+    if as_json:
+        print(json.dumps(report.to_dict(), indent=2))
+    else:
+        print(report_text(report, output.terminal_width()))
+    raise typer.Exit(int(not report.passed))

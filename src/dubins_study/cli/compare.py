@@ -39,8 +39,9 @@ def compare(
 
     with output.steps("compare"):
         comparison = compare_runs(base, new, out=out, slower=slower)
-    print(json.dumps(_record(comparison), indent=1) if as_json else _text(comparison))
-    raise typer.Exit(1 if fail_on_regression and comparison.regressed else 0)
+    text = json.dumps(_record(comparison), indent=1) if as_json else _text(comparison)
+    print(text)
+    raise typer.Exit(int(fail_on_regression and comparison.regressed))
 
 
 def _record(comparison: Comparison) -> dict[str, Any]:
@@ -91,12 +92,13 @@ def _regressions(comparison: Comparison) -> list[str]:
     frame = comparison.regressions
     if frame.empty:
         return ["Nothing became worse."]
-    shown = []
+    lines = []
     for row in frame.head(_MOST_LINES).to_dict("records"):
         place = ", ".join(filter(None, (row["solver"], row["scenario"])))
         change = " -> ".join(filter(None, (row["base"], row["new"])))
         command = f"\n    {plain(row['command'])}" if row["command"] else ""
-        shown.append(plain(f"  {row['kind']}: {place}: {change}") + command)
-    more = len(frame) - len(shown)
-    rest = [f"  and {more} more: --json or --out has them all"] if more else []
-    return [f"Worse ({len(frame)}):", *shown, *rest]
+        lines.append(plain(f"  {row['kind']}: {place}: {change}") + command)
+    more = len(frame) - len(lines)
+    if more:
+        lines.append(f"  and {more} more: --json or --out has them all")
+    return [f"Worse ({len(frame)}):", *lines]

@@ -1,4 +1,7 @@
-"""`dubins-study experiments`: what `run` knows by name, and what one experiment asks."""
+"""`dubins-study experiments`: the experiments that `run` knows.
+
+Of one experiment it tells what is asked.
+"""
 
 from __future__ import annotations
 
@@ -42,19 +45,22 @@ def experiments(
         print(experiment_text(overviews[0]))
 
 
-def experiment_text(asked: Mapping[str, Any]) -> str:
-    """One experiment: its question, its numbers, and its solvers, one a line."""
-    limits = f"{asked['time_limit_s']:g} s and {asked['memory_limit_gib']:g} GiB a solve"
+def experiment_text(summary: Mapping[str, Any]) -> str:
+    """One experiment as text.
+
+    It tells the question, the numbers, and the solvers, one a line.
+    """
+    limits = f"{summary['time_limit_s']:g} s and {summary['memory_limit_gib']:g} GiB a solve"
     fields = {
-        "experiment": asked["name"],
-        "title": asked["title"],
-        "question": asked["question"],
-        "scenarios": asked["scenarios"],
-        "branches": ", ".join(asked["branches"]),
-        "repeats": asked["repeats"],
-        "cells": asked["cells"],
+        "experiment": summary["name"],
+        "title": summary["title"],
+        "question": summary["question"],
+        "scenarios": summary["scenarios"],
+        "branches": ", ".join(summary["branches"]),
+        "repeats": summary["repeats"],
+        "cells": summary["cells"],
         "limits": limits,
-        "profile": asked["profile"],
-        "solvers": len(asked["solvers"]),
+        "profile": summary["profile"],
+        "solvers": len(summary["solvers"]),
     }
-    return "\n".join([listing(fields), *(f"  {plain(spec)}" for spec in asked["solvers"])])
+    return "\n".join([listing(fields), *(f"  {plain(spec)}" for spec in summary["solvers"])])

@@ -1,4 +1,7 @@
-"""`dubins-study export`: models as files for other solvers, of one scenario or of a suite."""
+"""`dubins-study export`: models as files for other solvers.
+
+They are models of one scenario, or of a suite.
+"""
 
 from __future__ import annotations
 
@@ -48,7 +51,7 @@ def export(
     from dubins_study.study.scenario import Scenario
 
     scenario = Scenario(*arguments.start_pose(start), x, y, radius)
-    text = export_model(scenario, model, file_format, order)
+    text = export_model(scenario, model=model, format=file_format, order=order)
     if out is None:
         print(text, end="")
         return

@@ -1,4 +1,7 @@
-"""`dubins-study judge`: the answers of any program to a suite's questions, judged."""
+"""`dubins-study judge`: answers of other programs, judged.
+
+They answer a suite's questions.
+"""
 
 from __future__ import annotations
 
@@ -35,12 +38,12 @@ def judge(
     with output.progress(f"judge {answers.name}", counts) as progress:
         rows = judge_answers(answers, suite, out=folder, progress=progress)
     lines = []
-    for method, judged in rows.groupby("solver", sort=False):
-        answered = (judged["outcome"] == "returned").sum()
-        counts_of = judged["verdict"].value_counts().items()
-        verdicts = ", ".join(f"{count} {verdict}" for verdict, count in counts_of)
-        false = [judged[name].sum() for name in _FALSE]
-        lines.append([method, len(judged), answered, verdicts, *false])
+    for method, of_method in rows.groupby("solver", sort=False):
+        answered = (of_method["outcome"] == "returned").sum()
+        verdict_counts = of_method["verdict"].value_counts().items()
+        verdicts = ", ".join(f"{count} {verdict}" for verdict, count in verdict_counts)
+        false = [of_method[name].sum() for name in _FALSE]
+        lines.append([method, len(of_method), answered, verdicts, *false])
     print(output.table(["method", "questions", "answered", "verdicts", *_FALSE.values()], lines))
     for name, what in _FALSE.items():
         for row in rows[rows[name]].to_dict("records"):

@@ -44,7 +44,7 @@ def experiment(
 
 
 def class_name(stem: str) -> str:
-    """The name of the class in a file, e.g. MySolver in my_solver.py."""
+    """The class of a file: MySolver for my_solver.py."""
     return "".join(part[:1].upper() + part[1:] for part in stem.split("_"))
 
 
@@ -54,7 +54,10 @@ def _check_name(file: FilePath, pattern: str, example: str) -> None:
 
 
 def _write(file: FilePath, template: str, values: dict[str, str]) -> None:
-    """Write a new file from a template, in which `{name}` stands for a value."""
+    """Write a new file from a template.
+
+    In the template, `{name}` stands for a value.
+    """
     text = (files("dubins_study.cli") / "templates" / template).read_text(encoding="utf-8")
     for name, value in values.items():
         text = text.replace(f"{{{name}}}", value)

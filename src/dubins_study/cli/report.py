@@ -1,4 +1,7 @@
-"""`dubins-study report`: tables, figures and one page from results folders."""
+"""`dubins-study report`: tables, figures and one page.
+
+They are made from results folders.
+"""
 
 from __future__ import annotations
 
@@ -43,11 +46,15 @@ def report(
 
     with output.steps("report") as step:
         page = render(folders, out=out, progress=step)
-    print(report_json(page) if as_json else report_text(page))
+    text = report_json(page) if as_json else report_text(page)
+    print(text)
 
 
 def _summary(page: FilePath) -> pd.DataFrame:
-    """The summary table of a report; empty if its folders hold no rows."""
+    """The summary table of a report.
+
+    It is empty if the report's folders hold no rows.
+    """
     import pandas as pd
 
     file = page.parent / "tables" / "summary.csv"
@@ -62,19 +69,22 @@ def _summary(page: FilePath) -> pd.DataFrame:
 
 
 def report_json(page: FilePath) -> str:
-    """The path of a report's page, and its summary by the columns of tables/summary.csv."""
+    """The page's path and the summary as JSON.
+
+    The summary has the columns of tables/summary.csv.
+    """
     frame = _summary(page)
     rows = frame.astype(object).where(frame.notna(), None).to_dict("records")
     return json.dumps({"page": str(page), "summary": rows}, indent=2)
 
 
 def report_text(page: FilePath) -> str:
-    """The summary table of a report, and the path of its page."""
+    """The summary table and the page's path."""
     frame = _summary(page)
     if "wall_s" in frame:
         frame["wall_s"] = (frame["wall_s"] * 1e3).map("{:.3g}".format, na_action="ignore")
     # the report leaves out a column that its runs do not need
-    shown = {name: title for name, title in _SUMMARY.items() if frame.empty or name in frame}
-    rows = frame.reindex(columns=list(shown)).astype(object).fillna("").astype(str)
+    titles = {name: title for name, title in _SUMMARY.items() if frame.empty or name in frame}
+    rows = frame.reindex(columns=list(titles)).astype(object).fillna("").astype(str)
     lines = rows.replace(r"[\n\u202f]", " ", regex=True).to_numpy().tolist()
-    return f"{output.table(list(shown.values()), lines)}\n\npage: {plain(str(page))}"
+    return f"{output.table(list(titles.values()), lines)}\n\npage: {plain(str(page))}"

@@ -87,17 +87,18 @@ def run(
                 progress=progress,
             )
         state = status_of(folder)
-        print(json.dumps(state.as_json(), indent=2) if as_json else status_text(state))
+        text = json.dumps(state.as_json(), indent=2) if as_json else status_text(state)
+        print(text)
         if state.finished and not as_json:  # the command on a line of its own, to be copied
             print(f"\nits page:\n{plain(shlex.join(['dubins-study', 'report', state.folder]))}")
 
 
 @contextmanager
 def _interruptible(restart: bool, counts: list[int]) -> Iterator[Interruption]:
-    """After an interruption, say how to go on, and exit with code 130.
+    """Exit with code 130 after an interruption.
 
-    Entered before the imports that take long: a library whose import is interrupted raises strange
-    errors.
+    A message tells how to go on. The block begins before the imports that take long: a library
+    whose import is interrupted raises strange errors.
     """
     from dubins_study.experiments.interruption import Interruption
 
@@ -106,6 +107,6 @@ def _interruptible(restart: bool, counts: list[int]) -> Iterator[Interruption]:
             yield stop
     except KeyboardInterrupt:
         next_step = "run the same command without --restart" if restart else "run the same command"
-        kept = "{} of {} cells are done and kept; ".format(*counts) if counts else ""
-        print(f"interrupted; {kept}{next_step} to go on", file=sys.stderr)
+        cells = "{} of {} cells are done and kept; ".format(*counts) if counts else ""
+        print(f"interrupted; {cells}{next_step} to go on", file=sys.stderr)
         raise typer.Exit(130) from None

@@ -20,8 +20,8 @@ if TYPE_CHECKING:
     from dubins_study.missions.flight import Flight
     from dubins_study.study.scenario import Scenario
 
-# Share of the limit for a tour's points in their given order: a good path of thousands takes a
-# second, a proof that it is the shortest is for `--order given`.
+# Share of the limit for a tour's points in their given order. A good path of thousands of points
+# takes a second; the proof that it is the shortest is for `--order given`.
 _COMPARED = 0.1
 
 
@@ -79,9 +79,11 @@ def solve(
     for note in question.mission.notes:
         output.note(note, always=False)
     check_request(branch, time_limit, "--time-limit")
-    files = Files(plot, geojson, out, step, altitude)
+    files = Files(plot=plot, geojson=geojson, out=out, step=step, altitude=altitude)
     files.check(question.mission, [x, via_file])
-    answer, in_given_order = _answers(question.scenario, solver, branch, profile, time_limit)
+    answer, in_given_order = _answers(
+        question.scenario, solver, branch=branch, profile=profile, limit=time_limit
+    )
     flight = flight_of(answer, question.mission)
     _print(answer, question.names, in_given_order, flight, as_json)
     shorter = shorter_answer(answer) if shortest else None
@@ -96,7 +98,10 @@ def solve(
 def _answers(
     scenario: Scenario, solver: str, branch: str, profile: str, limit: float
 ) -> tuple[Answer, Answer | None]:
-    """The answer, and of a tour that of its points in their given order."""
+    """The answer, and a tour's in the given order.
+
+    The second is the shortest route through a tour's points in the order in which they are given.
+    """
     from dubins_study.experiments.solve import solve as ask
     from dubins_study.study.tolerances import SEARCH_S
 
@@ -116,7 +121,10 @@ def _print(
     flight: Flight | None,
     as_json: bool,
 ) -> None:
-    """Print an answer; refuse the request of one that no solver was asked for."""
+    """Print an answer, or refuse the request.
+
+    The request is refused if no solver was asked for the answer.
+    """
     refused = answer.outcome in (Outcome.UNAVAILABLE, Outcome.UNSUPPORTED)
     if as_json or not refused:  # before the drawing, which may fail
         text = answer_json if as_json else answer_text
@@ -127,7 +135,10 @@ def _print(
 
 
 def _route_of(scenario: Scenario) -> Scenario:
-    """A tour's question with its order given: where it ends at any point, at the last one."""
+    """A tour's question with its order given.
+
+    If the tour may end at any point, the route ends at the last one.
+    """
     changed: dict[str, Any] = {"order": "given"}
     if scenario.target is None:
         x, y, heading = scenario.stops[-1]

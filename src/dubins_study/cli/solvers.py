@@ -1,4 +1,7 @@
-"""`dubins-study solvers`: every solver, and why it cannot run here if it cannot."""
+"""`dubins-study solvers`: every solver, or one.
+
+It tells why a solver cannot run here.
+"""
 
 from __future__ import annotations
 
@@ -39,7 +42,10 @@ def solvers(
 
 
 def solver_text(entry: Entry) -> str:
-    """One solver as a list: what it is, what it answers, and its settings with their values."""
+    """One solver as a list.
+
+    It tells the kind of solver, the questions that it answers, and its settings with their values.
+    """
     return listing(
         {
             "solver": entry.name,
@@ -56,7 +62,10 @@ def solver_text(entry: Entry) -> str:
 
 
 def _beyond_one_leg(entry: Entry) -> str:
-    """What a solver takes besides one leg with a free final heading."""
+    """Questions that a solver takes besides one leg.
+
+    One leg with a free final heading is left out.
+    """
     return ", ".join(need for need in entry.takes if need != FREE_FINAL_HEADING)
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections import Counter
 from collections.abc import Mapping
+from itertools import chain
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Annotated
 
@@ -32,11 +33,12 @@ def status(
     from dubins_study.experiments.store.status import status as status_of
 
     state = status_of(folder)
-    print(json.dumps(state.as_json(), indent=2) if as_json else status_text(state))
+    text = json.dumps(state.as_json(), indent=2) if as_json else status_text(state)
+    print(text)
 
 
 def status_text(progress: Status) -> str:
-    """The status as a few lines and two tables for the terminal."""
+    """The status as lines and two tables."""
     fields: dict[str, str] = {}
     if progress.left:
         fields["left"] = _largest(progress.left)
@@ -64,11 +66,15 @@ def _state(progress: Status) -> str:
 
 
 def _largest(counts: Mapping[str, int]) -> str:
-    """The sum, the names with the largest counts, and how many more there are."""
+    """The sum, and the names with largest counts.
+
+    It tells how many more names there are.
+    """
     largest = Counter(counts).most_common(_MOST_NAMES)
     text = ", ".join(f"{name} {number}" for name, number in largest)
     more = len(counts) - len(largest)
-    return f"{sum(counts.values())}: {text}" + (f" and {more} more" if more else "")
+    rest = f" and {more} more" if more else ""
+    return f"{sum(counts.values())}: {text}{rest}"
 
 
 def _time_left(progress: Status) -> str:
@@ -79,7 +85,7 @@ def _time_left(progress: Status) -> str:
 
 def _tables(progress: Status) -> list[str]:
     tables = []
-    kinds = sorted({kind for counts in progress.verdicts.values() for kind in counts})
+    kinds = sorted(set(chain.from_iterable(progress.verdicts.values())))
     if kinds:
         rows = [(solver, *map(counts.get, kinds)) for solver, counts in progress.verdicts.items()]
         tables.append(table(("solver", *kinds), rows))

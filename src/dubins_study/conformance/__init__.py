@@ -1,4 +1,6 @@
-"""Check that a solver keeps the promise of `solvers/protocol.py`, and explain where it does not.
+"""Check that a solver keeps its promise.
+
+The promise is in `solvers/protocol.py`. Where a solver does not keep it, the report explains why.
 
 `check_solver(solver)` puts 40 to 90 questions to a solver, by what it answers, in a worker process
 and returns a `ConformanceReport`. `CHECKS` are the names of its checks, for

@@ -1,7 +1,7 @@
-"""What is wrong with an answer, in words: what was seen, and what to do about it.
+"""Problems of an answer, in words.
 
-From a path that misses alone it is guessed what its solver mixed up: the question that the path
-would be right for.
+They tell what was seen, and what to do about it. The mix-up behind a path that misses is guessed
+from the path alone: by the question for which the path would be right.
 """
 
 from __future__ import annotations
@@ -28,14 +28,14 @@ from dubins_study.study.scenario import Scenario
 from dubins_study.study.tolerances import Tolerances
 from dubins_study.study.words import Claim, Order, Outcome, Verdict
 
-_Observed = tuple[Part, Status, str, str]  # what it is about, how bad, what was seen, what to do
+_Observed = tuple[Part, Status, str, str]  # part of the answer, status, observation, advice
 # claims that say that a path was found
 _SUCCESS = (Claim.OPTIMAL, Claim.LOCAL, Claim.FEASIBLE)
 # relative: a claimed length that differs by less is rounded
 _CLAIMED = 1e-4
 # radii: a path that ends within this of the target is right but for its solver's tolerance
 _NEAR = 1e-2
-# outcome -> what was seen, what to do
+# outcome -> observation, advice
 _OUTCOMES = {
     Outcome.CRASHED: (
         "it crashed: ",
@@ -56,7 +56,7 @@ _OUTCOMES = {
         "a solve that fails returns Solution(Claim.FAILED, message=...); it does not raise",
     ),
 }
-# part of the message of an exception -> what to do
+# part of the message of an exception -> advice
 _RAISED = {
     "solve() takes": "write `def solve(self, question, limit)`; limit is in seconds",
     "solve() missing": "write `def solve(self, question, limit)`, with no other argument",
@@ -66,7 +66,7 @@ _RAISED = {
 
 
 def problems(interview: Interview, seen: Seen) -> list[Finding]:
-    """What is wrong with one answer; empty if nothing is."""
+    """The findings about one answer; empty without problems."""
     answer = seen.answer
     if answer.outcome is Outcome.RETURNED and answer.branch in BRANCHES_WITHOUT_PATH:
         observations = [*_of_point(answer)]
@@ -78,21 +78,31 @@ def problems(interview: Interview, seen: Seen) -> list[Finding]:
             *_of_bound(answer),
         ]
     else:
-        said, advice = _OUTCOMES.get(answer.outcome, (f"{answer.outcome}: ", ""))
+        prefix, advice = _OUTCOMES.get(answer.outcome, (f"{answer.outcome}: ", ""))
         advice = next((text for part, text in _RAISED.items() if part in answer.message), advice)
-        observations = [(Part.OUTCOME, Status.FAIL, said + answer.message, advice)]
-    shown = ""  # no option of `solve` hands over a guess, or the label that names a frozen problem
+        observations = [(Part.OUTCOME, Status.FAIL, prefix + answer.message, advice)]
+    repeat = ""  # no option of `solve` hands over a guess, or the label that names a frozen problem
     if seen.question.initial_guess is None and answer.branch not in BRANCHES_WITHOUT_PATH:
-        shown = command(answer.solver, seen.question, seen.limit, interview.profile)
-    name, trace = seen.question.scenario.label, seen.observed.traceback
+        repeat = command(answer.solver, seen.question, seen.limit, interview.profile)
     return [
-        Finding(status, observed, advice, name, shown, trace, kind=kind)
+        Finding(
+            status,
+            observed=observed,
+            advice=advice,
+            question=seen.question.scenario.label,
+            command=repeat,
+            traceback=seen.observed.traceback,
+            kind=kind,
+        )
         for kind, status, observed, advice in observations
     ]
 
 
 def _of_point(answer: Answer) -> Iterator[_Observed]:
-    """What the proof of a frozen convex problem finds wrong with a primal and dual point."""
+    """Problems of a primal and dual point.
+
+    The proof of a frozen convex problem finds them.
+    """
     if answer.false_claim:
         observed = (
             f"it claims {answer.claim}, but its point is judged {answer.verdict} (primal residual "
@@ -106,8 +116,12 @@ def _of_point(answer: Answer) -> Iterator[_Observed]:
 
 
 def _of_path(interview: Interview, answer: Answer) -> Iterator[_Observed]:
-    """What keeps an answer from arriving, or from being what it says."""
-    path, claim, tolerances = answer.path, answer.claim, interview.tolerances
+    """Problems of a path and its claim.
+
+    The path is missing, does not arrive, or contradicts the claim.
+    """
+    path = answer.path
+    claim = answer.claim
     honest = claim not in _SUCCESS
     absent = not kind_of(answer.scenario, answer.branch).exists(answer.scenario, answer.branch)
     if path is None:
@@ -116,7 +130,7 @@ def _of_path(interview: Interview, answer: Answer) -> Iterator[_Observed]:
         advice = "INFEASIBLE says that no path exists; a path in the answer contradicts it"
         yield Part.CLAIM, Status.FAIL, "it claims infeasible and returns a path", advice
     elif answer.verdict is Verdict.MISSES and not (honest and absent):
-        reason = miss_reason(answer.scenario, path, answer.branch, tolerances)
+        reason = miss_reason(answer.scenario, path, answer.branch, interview.tolerances)
         if honest:
             observed = f"it returns a path that misses, and says so ({claim}): {reason}"
             yield Part.CONTROLS, Status.NOTE, observed, ""
@@ -148,23 +162,25 @@ def _without_path(answer: Answer) -> Iterator[_Observed]:
         observed = f"it claims infeasible, that no path exists; {there}"
         yield Part.CLAIM, Status.FAIL, observed, advice
     else:
-        said = f": {answer.message}" if answer.message else ""
-        yield Part.LENGTH, Status.NOTE, f"it finds no path (claim {claim}{said}); {there}", ""
+        message = f": {answer.message}" if answer.message else ""
+        yield Part.LENGTH, Status.NOTE, f"it finds no path (claim {claim}{message}); {there}", ""
 
 
 def _advice(interview: Interview, answer: Answer, path: Path) -> str:
-    """What to do about a path that misses."""
-    scenario, branch, tolerances = answer.scenario, answer.branch, interview.tolerances
+    """Advice about a path that misses."""
+    scenario = answer.scenario
+    branch = answer.branch
+    tolerances = interview.tolerances
     if not drivable(path):
         return (
             "claim FAILED where there is no number; a turn to the other side has the other sign of "
             "curvature, not of length"
         )
     for earlier in interview.seen:
-        known = earlier.answer.path
-        if known is None or earlier.answer.gap is None or not path.length > 0:
+        earlier_path = earlier.answer.path
+        if earlier_path is None or earlier.answer.gap is None or not path.length > 0:
             continue
-        if known == replace(path, start=known.start):
+        if earlier_path == replace(path, start=earlier_path.start):
             name = earlier.question.scenario.label
             return (
                 f"this is its answer to an earlier question, {name}: does it keep answers, by the "
@@ -208,8 +224,12 @@ def _advice(interview: Interview, answer: Answer, path: Path) -> str:
 
 
 def _of_length(answer: Answer, guarantee: str) -> Iterator[_Observed]:
-    """A path that arrives but is longer, and a claimed length that is not its own."""
-    length, claimed = answer.length, answer.claimed_length
+    """Problems of a path's length.
+
+    The path arrives but is longer, or the claimed length is not its own.
+    """
+    length = answer.length
+    claimed = answer.claimed_length
     if answer.verdict is Verdict.LONGER and answer.claim is not Claim.INFEASIBLE:
         assert answer.gap is not None
         assert answer.path is not None
@@ -234,15 +254,19 @@ def _of_length(answer: Answer, guarantee: str) -> Iterator[_Observed]:
 
 
 def _orders(answer: Answer) -> str:
-    """How the order of a tour differs from the shortest one's; empty of other questions."""
+    """The difference between a tour's order and the shortest's.
+
+    It is empty for other questions.
+    """
     best = reference_of(answer.scenario, answer.branch).path
     if answer.order is None or best is None:
         return ""
     shortest = [int(place) for place in judge(answer.scenario, best).visit_order or ()]
     if answer.order == shortest:
         return "; its order is the shortest one's"
-    own, other = (" ".join(map(str, order)) for order in (answer.order, shortest))
-    return f"; its order is {own}, the shortest one's {other} (0 is the first of via)"
+    order = " ".join(map(str, answer.order))
+    other = " ".join(map(str, shortest))
+    return f"; its order is {order}, the shortest one's {other} (0 is the first of via)"
 
 
 def _of_bound(answer: Answer) -> Iterator[_Observed]:
@@ -258,18 +282,21 @@ def _of_bound(answer: Answer) -> Iterator[_Observed]:
         yield Part.BOUND, Status.FAIL, observed, advice
 
 
-def united(*found: Iterable[Finding]) -> list[Finding]:
-    """The findings, one for each reason: of those that are the same, the first and their count."""
+def united(*findings: Iterable[Finding]) -> list[Finding]:
+    """The findings, one for each reason.
+
+    Of those with the same reason, the first is taken, with their count.
+    """
     groups: dict[tuple[object, ...], list[Finding]] = {}
-    for one in chain(*found):
+    for one in chain(*findings):
         reason = (one.advice or one.kind) if one.kind else one.observed
         where = one.traceback.splitlines()[-2:-1]
         groups.setdefault((one.kind, one.status, reason, *where), []).append(one)
     return [replace(same[0], count=sum(one.count for one in same)) for same in groups.values()]
 
 
-# A path fits a guess if it ends within this many radii of the target, and is no more than this
-# share too tight: far more than a solver's tolerance, far less than a guess fits by chance.
+# A path fits a guess if it ends within 0.001 radii of the target, and is at most 0.1 % too tight.
+# Solvers' tolerances are far smaller, and the misses of wrong guesses far larger.
 _FIT = 1e-3
 _LOOSE = Tolerances(miss=_FIT, curvature=_FIT)
 _POSITIONS = (
@@ -279,11 +306,16 @@ _POSITIONS = (
 
 
 def mix_ups(s: Scenario, path: Path) -> Iterator[tuple[str, Scenario, FloatArray, FloatArray]]:
-    """Each mix-up: what to tell the author, the question and the controls without it."""
-    k, lengths = path.curvatures, path.lengths
+    """Each mix-up: its advice, question and controls.
+
+    The advice is for the author; the question and the controls are those without the mix-up.
+    """
+    k = path.curvatures
+    lengths = path.lengths
     yield "left and right are swapped: curvature is positive to the left", s, -k, lengths
     advice = "is your radius a curvature? A path's curvature is 1 / radius at most, not the radius"
-    yield advice, s, np.array([1 / each if each else 0.0 for each in k]), lengths
+    inverses = [1 / each if each else 0.0 for each in k]
+    yield advice, s, np.array(inverses), lengths
     advice = (
         "is your path that of radius 1? Divide its curvatures by the radius and multiply its "
         "lengths by it"
@@ -308,7 +340,10 @@ def mix_ups(s: Scenario, path: Path) -> Iterator[tuple[str, Scenario, FloatArray
 
 
 def cause_of(scenario: Scenario, path: Path) -> str:
-    """What the author of a path that misses, or is too tight, has mixed up; empty if unknown."""
+    """The mix-up behind a path, as advice.
+
+    The path misses, or is too tight. The text is empty if the mix-up is unknown.
+    """
     if not path.lengths.size:
         return ""
     last = np.array([path.curvatures[-1], path.lengths[-1]])
@@ -323,11 +358,16 @@ def cause_of(scenario: Scenario, path: Path) -> str:
 
 
 def visit_cause(scenario: Scenario, path: Path) -> str:
-    """What a path leaves out on its way to its end; empty if it ends at no point of the question.
+    """The point that a path leaves out, as advice.
+
+    The path leaves it out on its way to its end. The text is empty if the path ends at no point of
+    the question.
 
     A closed path, and one that is free to pass its points in any order, may end at a wrong one.
     """
-    end, radius, allowed = path.end, scenario.radius, _FIT * scenario.radius
+    end = path.end
+    radius = scenario.radius
+    allowed = _FIT * radius
     via = scenario.stops[: len(scenario.via)]
     if scenario.target is not None and math.dist(end[:2], scenario.target) > allowed:
         at_point = any(math.dist(end[:2], stop[:2]) <= allowed for stop in via)
@@ -376,12 +416,19 @@ def visit_cause(scenario: Scenario, path: Path) -> str:
 
 
 def _differ(one: float, other: float) -> bool:
-    """Whether two headings (rad) are far from each other, whole turns apart."""
+    """Whether two headings (rad) are far apart.
+
+    Whole turns do not count.
+    """
     return abs(math.remainder(one - other, 2 * math.pi)) > _FIT
 
 
 def length_cause(scenario: Scenario, path: Path) -> str:
-    """What makes an arriving path longer than the shortest of its word; empty if unknown."""
+    """Cause of a longer path, as advice.
+
+    The path arrives, but is longer than the shortest of its word. The text is empty if the cause is
+    unknown.
+    """
     turns = np.abs(path.curvatures * path.lengths)
     if (turns > 2 * math.pi + _FIT).any():
         return "an arc turns by more than a full turn: take its angle modulo 2 pi"

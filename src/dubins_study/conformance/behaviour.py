@@ -1,9 +1,13 @@
-"""Checks of what a solver says of itself, and of what it does to its process and its time."""
+"""Checks of a solver's declaration, process and time.
+
+They look at the solver's words about itself, and at its effects on its process and its time.
+"""
 
 from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterable
+from itertools import chain
 
 import numpy as np
 
@@ -22,7 +26,7 @@ from dubins_study.solvers.protocol import Question
 from dubins_study.study.kinds.table import EVERY_KIND
 from dubins_study.study.words import Outcome
 
-Checked = tuple[Iterable[Finding], str]  # what a check has seen, and a few words on what passed
+Checked = tuple[Iterable[Finding], str]  # the findings, and a few words on the answers that passed
 # part of the message of a solver that does not load -> what to do, where it is not the file
 _BROKEN = {
     "required positional argument": "give each setting a default, such as `n: int = 10`",
@@ -33,22 +37,24 @@ _BROKEN = {
 
 def broken(error: LoadError, spec: str, command: str) -> Finding:
     """The finding about a solver that does not load."""
-    message, file = str(error), spec.rpartition(":")[0] or "my_solver.py"
+    message = str(error)
+    file = spec.rpartition(":")[0] or "my_solver.py"
     advice = next(text for part, text in _BROKEN.items() if part in message).format(file=file)
-    said, _, place = message.partition("\n")  # of a syntax error
-    return Finding(Status.FAIL, said, advice, command=command, traceback=place or error.frames)
+    observed, _, place = message.partition("\n")  # of a syntax error
+    trace = place or error.frames
+    return Finding(Status.FAIL, observed, advice=advice, command=command, traceback=trace)
 
 
 def loading(interview: Interview) -> Checked:
-    """What a solver that was loaded says of itself."""
+    """A solver's declaration, once it is loaded."""
     declared = interview.declared
     formulation, engine = declared["method"][:2]
-    found = [Finding(Status(status), *texts) for status, *texts in declared["problems"]]
-    return found, f"{declared['name']}: {formulation}, {engine}"
+    findings = [Finding(Status(status), *texts) for status, *texts in declared["problems"]]
+    return findings, f"{declared['name']}: {formulation}, {engine}"
 
 
 def _question(interview: Interview, place: int) -> Question:
-    """A question that the solver takes, of the simplest kind."""
+    """A simple question that the solver takes."""
     for kind in EVERY_KIND:
         scenarios = [*interview.taken(questions.OF_KIND[kind.name]).values()]
         branches = [each for each in kind.branches if interview.answers(each)]
@@ -59,13 +65,14 @@ def _question(interview: Interview, place: int) -> Question:
 
 # place of a question in general position, of every table
 _ALL_AT_ONCE = -2
-# Seconds of a limit that a solver is given to be cut off by, and that it may take beyond a limit
-# if it promises to keep it (`Solver.keeps_limit`).
-_SHORT_LIMIT_S, _BEYOND_S = 0.05, 1.0
+# Seconds of a limit that is to cut a solver off.
+_SHORT_LIMIT_S = 0.05
+# Seconds beyond a limit for a solver that promises to keep it (`Solver.keeps_limit`).
+_BEYOND_S = 1.0
 
 
 def limits(interview: Interview) -> Checked:
-    """A question with a limit of a twentieth of a second."""
+    """Ask with a limit of a twentieth second."""
     promised = interview.declared["keeps_limit"]
     question = _question(interview, _ALL_AT_ONCE)
     interview.ask(question)  # the libraries are loaded by now
@@ -85,31 +92,40 @@ def limits(interview: Interview) -> Checked:
         advice += ". Until then, do not promise keeps_limit"
     status = Status.FAIL if promised else Status.NOTE
     observed = f"with a limit of {_SHORT_LIMIT_S} s {took}"
-    shown = questions.command(interview.spec, question, _SHORT_LIMIT_S, interview.profile)
-    return [Finding(status, observed, advice, question.scenario.label, shown)], ""
+    finding = Finding(
+        status,
+        observed,
+        advice=advice,
+        question=question.scenario.label,
+        command=questions.command(interview.spec, question, _SHORT_LIMIT_S, interview.profile),
+    )
+    return [finding], ""
 
 
 # share of the length: poses that differ by less differ in rounding only
 _ROUNDING = 1e-12
-# share of a limit that an engine uses which is cut off: it looks at the clock between its steps
+# share of its limit that a cut-off engine uses: it looks at the clock between its steps
 _WHOLE_LIMIT = 0.9
 # A solver that tosses a coin for each answer passes once in 4^4 times.
 _ASKED_AGAIN = (0, 1, -2, -1)
 
 
 def determinism(interview: Interview) -> Checked:
-    """Some questions, again after one another, and again in a new process."""
-    known = [_question(interview, place) for place in _ASKED_AGAIN]
-    first = [interview.ask(question) for question in known]
-    second = [interview.ask(question, again=True) for question in known]
+    """Ask some questions three times.
+
+    The second time is after other questions, the third in a new process.
+    """
+    repeated = [_question(interview, place) for place in _ASKED_AGAIN]
+    first = [interview.ask(question) for question in repeated]
+    second = [interview.ask(question, again=True) for question in repeated]
     interview.source.restart()
-    third = [interview.ask(question, again=True) for question in known]
+    third = [interview.ask(question, again=True) for question in repeated]
     advice = (
         "draw random numbers from a generator of the solver's own, seeded in build or solve "
         "by a setting and question.repeat, and keep nothing between questions"
     )
     compared = 0
-    found = []
+    findings = []
     for seen, when in ((second, "after other questions"), (third, "in a new process")):
         for one, again in zip(first, seen, strict=True):
             if _is_cut(one) or _is_cut(again):
@@ -118,25 +134,28 @@ def determinism(interview: Interview) -> Checked:
             if not _is_same(one.answer, again.answer):
                 observed = (
                     f"asked again {when}, its answer differs by more than rounding: "
-                    f"{_told(again.answer)}; the first time {_told(one.answer)}"
+                    f"{_summary(again.answer)}; the first time {_summary(one.answer)}"
                 )
-                where = one.question.scenario.label
-                found.append(Finding(Status.FAIL, observed, advice, where))
+                label = one.question.scenario.label
+                findings.append(Finding(Status.FAIL, observed, advice=advice, question=label))
     if not compared:
         raise NotApplicableError("its answers took the whole time limit; raise --time-limit")
-    if not found and all(one.answer.path is None for one in first):
+    if not findings and all(one.answer.path is None for one in first):
         raise NotApplicableError("it returned no path")
-    cut = 2 * len(known) - compared
+    cut = 2 * len(repeated) - compared
     left_out = f"; of {cut} more pairs one took the whole time limit" if cut else ""
-    return found[:1], f"{compared} pairs of answers the same{left_out}"
+    return findings[:1], f"{compared} pairs of answers the same{left_out}"
 
 
 def _is_cut(seen: Seen) -> bool:
-    """Whether an answer took its limit, so that the machine's speed has a part in it."""
+    """Whether an answer took its whole limit.
+
+    Then the machine's speed has a part in it.
+    """
     return (seen.answer.wall_s or seen.seconds) > _WHOLE_LIMIT * seen.limit
 
 
-def _told(answer: Answer) -> str:
+def _summary(answer: Answer) -> str:
     return f"{answer.outcome}, {answer.claim}, {answer.word or 'no word'}, length {answer.length}"
 
 
@@ -166,33 +185,35 @@ _ADVICE = {
 
 
 def state(interview: Interview) -> Checked:
-    """What all questions so far have left behind; libraries load with the first one.
+    """Traces that all questions so far have left.
+
+    Libraries load with the first question.
 
     At least the general questions: they are asked now if no other check has asked them.
     """
     for number in range(len(questions.GENERAL)):
         interview.ask(_question(interview, number))
     seen = interview.seen
-    found = []
-    changed = Counter(change for one in seen for change in one.observed.changes)
-    for change, count in changed.items():
+    findings = []
+    changes = Counter(chain.from_iterable(one.observed.changes for one in seen))
+    for change, count in changes.items():
         advice = (
             f"{_ADVICE.get(change, 'restore it before you return')}; a run then replaces the "
             "worker after every question, which takes longer than most solves"
         )
         observed = f"after a solve this is not as it was before: {change}"
-        found.append(Finding(Status.FAIL, observed, advice, count=count))
+        findings.append(Finding(Status.FAIL, observed, advice=advice, count=count))
     # after any other outcome a solver could not have removed its files
     ended = [one for one in seen if one.answer.outcome in (Outcome.RETURNED, Outcome.RAISED)]
-    files = sorted({file for one in ended for file in one.files})
+    files = sorted(set(chain.from_iterable(one.files for one in ended)))
     if files:
         observed = f"it leaves files in the working directory: {', '.join(files[:3])}"
         advice = "write into a tempfile.TemporaryDirectory()"
-        found.append(Finding(Status.FAIL, observed, advice, count=len(files)))
+        findings.append(Finding(Status.FAIL, observed, advice=advice, count=len(files)))
     outputs = [one.observed.output for one in seen if not one.observed.loaded]
     if loud := list(filter(None, outputs)):
         advice = "switch the output of the library off, or leave print out"
         status = Status.FAIL if interview.declared["keeps_limit"] else Status.NOTE
         observed = f"it prints: {loud[0][-120:]}"
-        found.append(Finding(status, observed, advice, count=len(loud)))
-    return found, f"{len(seen)} questions"
+        findings.append(Finding(status, observed, advice=advice, count=len(loud)))
+    return findings, f"{len(seen)} questions"

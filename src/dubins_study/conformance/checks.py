@@ -1,4 +1,7 @@
-"""Check a solver: load it, put the questions of each check to it, and say what was found."""
+"""Check a solver, and report the findings.
+
+The solver is loaded, and the questions of each check are put to it.
+"""
 
 from __future__ import annotations
 
@@ -6,6 +9,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import closing
 from dataclasses import replace
 from inspect import getsourcefile
+from itertools import chain
 from pathlib import Path as FilePath
 from time import monotonic
 from typing import Any
@@ -49,7 +53,9 @@ def _asked(
     parts: tuple[Part, ...] = _ALL,
     pathless: bool = False,
 ) -> Callable[[Interview], Checked]:
-    """A check that asks for the best path of scenarios, and reports problems of some kinds.
+    """A check of the best paths of scenarios.
+
+    It reports problems of the kinds `parts`.
 
     Only scenarios that the solver takes are asked. If `pathless`, a solver of a kind without paths
     is asked for the points of that kind.
@@ -57,48 +63,55 @@ def _asked(
 
     def run(interview: Interview) -> Checked:
         branch = "best"
-        asked = interview.taken(scenarios)
+        suitable = interview.taken(scenarios)
         if pathless and not interview.answers(branch):
             for kind in PATHLESS:
                 if interview.answers(kind.branches[0]):
                     branch = kind.branches[0]
-                    asked = questions.OF_KIND[kind.name]
+                    suitable = questions.OF_KIND[kind.name]
         if not interview.answers(branch):
             raise NotApplicableError("the solver does not answer `best`")
-        if not asked:
+        if not suitable:
             raise NotApplicableError(_takes_only(interview))
-        answers = [interview.ask(Question(scenario, branch)) for scenario in asked.values()]
-        found = _wrong(interview, answers, parts)
-        if Part.CONTROLS in parts and not found and all(one.answer.path is None for one in answers):
+        answers = [interview.ask(Question(scenario, branch)) for scenario in suitable.values()]
+        findings = _wrong(interview, answers, parts)
+        without_path = all(one.answer.path is None for one in answers)
+        if Part.CONTROLS in parts and not findings and without_path:
             raise NotApplicableError("it returned no path")
-        return found, f"{len(asked)} questions"
+        return findings, f"{len(suitable)} questions"
 
     return run
 
 
 def _takes_only(interview: Interview) -> str:
-    """Why a solver is asked none of a check's questions."""
+    """Why a check has no question for a solver."""
     return f"the solver takes only {', '.join(interview.declared['takes'])}"
 
 
 def _wrong(
     interview: Interview, answers: Iterable[Seen], parts: tuple[Part, ...] = _ALL
 ) -> list[Finding]:
-    """What is wrong with answers. Those that are none are added to every check that has asked."""
-    return [found for seen in answers for found in problems(interview, seen) if found.kind in parts]
+    """The problems of answers.
+
+    Problems of missing answers are added to every check that has asked.
+    """
+    findings = chain.from_iterable(problems(interview, seen) for seen in answers)
+    return [finding for finding in findings if finding.kind in parts]
 
 
 def _branches(interview: Interview) -> Checked:
-    """Every word that the solver declares, where a path of it exists and where none does."""
+    """Ask for every word that the solver declares.
+
+    A path of the word exists for some questions, and for others none.
+    """
     words = [word for word in questions.WORDS if interview.answers(word)]
     if not words or not interview.taken(questions.GENERAL):
         raise NotApplicableError("the solver declares no word of a leg with a free final heading")
-    asked = [
-        Question(scenario, word)
-        for word in words
-        for scenario in (*questions.WORDS[word], questions.WITHOUT[word])
-    ]
-    return _wrong(interview, map(interview.ask, asked)), ", ".join(words)
+    of_words: list[Question] = []
+    for word in words:
+        scenarios = (*questions.WORDS[word], questions.WITHOUT[word])
+        of_words += [Question(scenario, word) for scenario in scenarios]
+    return _wrong(interview, map(interview.ask, of_words)), ", ".join(words)
 
 
 def _warm(interview: Interview) -> Checked:
@@ -108,20 +121,21 @@ def _warm(interview: Interview) -> Checked:
     if not interview.taken(questions.GENERAL):
         raise NotApplicableError(_takes_only(interview))
     scenario = questions.REFERENCE
-    start, radius = scenario.start, scenario.radius
+    start = scenario.start
+    radius = scenario.radius
     guesses = {
         "the shortest path of a near target": shortest_path(questions.NEAR),
         "a path to elsewhere": Path(start, [1 / radius, 0.0, -1 / radius], [radius] * 3),
         "a path of no arcs": Path(start, [], []),
     }
-    asked = (
+    guessed = (
         Question(replace(scenario, label=f"initial guess: {name}"), initial_guess=guess)
         for name, guess in guesses.items()
     )
-    return _wrong(interview, map(interview.ask, asked)), f"{len(guesses)} initial guesses"
+    return _wrong(interview, map(interview.ask, guessed)), f"{len(guesses)} initial guesses"
 
 
-# name -> what is looked at, and the function that does; simple questions first
+# name -> title, and the function that makes the check; simple questions first
 _CHECKS: dict[str, tuple[str, Callable[[Interview], Checked]]] = {
     "loading": ("loads, and says what it is", behaviour.loading),
     "outcome": (
@@ -197,22 +211,22 @@ def check_solver(
     try:
         source = (Worker if isolated else Observer)(absolute, profile)
     except LoadError as error:
-        shown = questions.check_command(spec, "loading", time_limit, profile)
-        found = behaviour.broken(error, spec, shown)
+        repeat = questions.check_command(spec, "loading", time_limit, profile)
+        finding = behaviour.broken(error, spec, repeat)
         not_asked = [_not_asked(name, "it does not load") for name in names[1:]]
-        results = (CheckResult("loading", TITLES["loading"], (found,)), *not_asked)
-        return ConformanceReport(spec, results, {}, monotonic() - began)
-    checked: list[CheckResult] = []
+        results = [CheckResult("loading", TITLES["loading"], (finding,)), *not_asked]
+        return ConformanceReport(spec, tuple(results), {}, monotonic() - began)
+    results = []
     with closing(source):
-        interview = Interview(spec, source, profile, time_limit, total_time_limit)
+        interview = Interview(spec, source, profile, limit=time_limit, total_limit=total_time_limit)
         for result in _results(interview, names):
-            checked.append(result)
+            results.append(result)
             if progress is not None:
-                progress(len(checked), len(names))
+                progress(len(results), len(names))
     seconds = monotonic() - began
     return ConformanceReport(
         solver=spec,
-        results=tuple(checked),
+        results=tuple(results),
         answers=interview.counts(),
         seconds=seconds,
         worst_gap=interview.worst_gap(),
@@ -221,19 +235,24 @@ def check_solver(
 
 
 def _results(interview: Interview, names: list[str]) -> Iterator[CheckResult]:
-    """The results of checks, one after another; of those that are not reached, why."""
+    """The results of checks, one after another.
+
+    The result of a check that is not reached tells why.
+    """
     stopped = ""
     for name in names:
         title, run = _CHECKS[name]
         if stopped:
             yield _not_asked(name, stopped)
             continue
-        before, applied = len(interview.seen), Status.PASS
+        before = len(interview.seen)
+        applied = Status.PASS
         findings: Iterable[Finding] = ()
         try:
             findings, summary = run(interview)
         except NotApplicableError as reason:
-            summary, applied = str(reason), Status.NOT_APPLICABLE
+            summary = str(reason)
+            applied = Status.NOT_APPLICABLE
         except (UnfinishedError, LoadError) as reason:
             stopped = summary = str(reason)
             applied = Status.NOT_ASKED
@@ -244,8 +263,8 @@ def _results(interview: Interview, names: list[str]) -> Iterator[CheckResult]:
             if seen.answer.outcome is not Outcome.TIMEOUT or seen.limit == interview.limit
         ]
         silent = _wrong(interview, new, (Part.OUTCOME,))
-        shown = questions.check_command(interview.spec, name, interview.limit, interview.profile)
-        listed = [replace(one, command=one.command or shown) for one in united(findings, silent)]
+        repeat = questions.check_command(interview.spec, name, interview.limit, interview.profile)
+        listed = [replace(one, command=one.command or repeat) for one in united(findings, silent)]
         listed.sort(key=lambda one: one.status is not Status.FAIL)
         yield CheckResult(name, title, tuple(listed), summary, applied)
         outcomes = {one.answer.outcome for one in interview.seen}
@@ -256,23 +275,26 @@ def _results(interview: Interview, names: list[str]) -> Iterator[CheckResult]:
 
 
 def _not_asked(name: str, reason: str) -> CheckResult:
-    return CheckResult(name, TITLES[name], (), reason, Status.NOT_ASKED)
+    return CheckResult(name, TITLES[name], summary=reason, applied=Status.NOT_ASKED)
 
 
 def _names(checks: Iterable[str]) -> list[str]:
     """The checks in their order, `loading` first."""
-    asked = [checks] if isinstance(checks, str) else list(checks)
-    for name in asked:
+    requested = [checks] if isinstance(checks, str) else list(checks)
+    for name in requested:
         if name not in CHECKS:
             hint = did_you_mean(name, CHECKS)
             raise ConformanceError(
                 f"no check named {short(name)}; {hint}choose from: {', '.join(CHECKS)}"
             )
-    return [name for name in CHECKS if name in asked or name == "loading"]
+    return [name for name in CHECKS if name in requested or name == "loading"]
 
 
 def _spec_of(kind: Any) -> str:
-    """The spec of a class: its registered name, or its file."""
+    """The spec of a class.
+
+    It is the registered name of the class, or its file.
+    """
     if not (isinstance(kind, type) and issubclass(kind, Solver)):
         raise ConformanceError(
             f"solver is {kind!r:.80}; expected a spec, or a class that extends Solver"

@@ -1,4 +1,7 @@
-"""Questions put to one solver, in a process of its own or in this one, and its judged answers."""
+"""Questions put to one solver, and its judged answers.
+
+The solver runs in a process of its own or in this one.
+"""
 
 from __future__ import annotations
 
@@ -23,7 +26,8 @@ from dubins_study.study.words import Claim, Outcome, Verdict
 
 # Seconds that a plug-in may take to load, and its first question beyond the limit: it loads the
 # libraries that later questions find loaded.
-LOAD_LIMIT_S, WARM_UP_S = 60.0, 10.0
+LOAD_LIMIT_S = 60.0
+WARM_UP_S = 10.0
 # Seconds beyond the limit after which a question is ended: more than the second in which a solver
 # that keeps its limit returns.
 GRACE_S = 1.5
@@ -33,7 +37,10 @@ UNANSWERED = "unanswered"
 
 
 class LoadError(DubinsStudyError):
-    """The solver cannot be loaded: its own code raised (`frames` are its own), crashed or hung."""
+    """The solver cannot be loaded.
+
+    Its own code raised (`frames` are its own), crashed or hung.
+    """
 
     def __init__(self, message: str, frames: str = ""):
         super().__init__(message)
@@ -41,15 +48,18 @@ class LoadError(DubinsStudyError):
 
 
 class UnfinishedError(DubinsStudyError):
-    """No more questions are put to the solver; the message says why."""
+    """No more questions are asked; the message says why."""
 
 
 class NotApplicableError(DubinsStudyError):
-    """A check does not apply to the solver; the message says why."""
+    """A check does not apply; the message says why."""
 
 
 class Worker:
-    """The solver in a process of its own, in an empty folder."""
+    """The solver in a process of its own.
+
+    The process runs in an empty folder.
+    """
 
     def __init__(self, spec: str, profile: str):
         self.folder = FilePath(mkdtemp(prefix="check-solver-"))
@@ -64,11 +74,16 @@ class Worker:
             raise
 
     def ask(self, question: Question, limit: float) -> Observation:
-        """As `Observer.ask`; a process that ends meanwhile is replaced at the next question."""
-        process, task = self._load(), ["ask", encode_question(question), limit]
-        allowance = Allowance(limit, GRACE_S + self._extra_s)
+        """Ask in the worker's process.
+
+        The result is that of `Observer.ask`. A process that ends meanwhile is replaced at the next
+        question.
+        """
+        process = self._load()
+        task = ["ask", encode_question(question), limit]
+        allowance = Allowance(limit, margin_s=GRACE_S + self._extra_s)
         event = process.request(task, allowance)
-        self._extra_s = 0.0  # what did not answer once is not waited for longer again
+        self._extra_s = 0.0  # only the first question of a process has more time
         output = process.last_output()
         if isinstance(event, Ended):
             return Observation(event.reply, output=output)
@@ -76,7 +91,10 @@ class Worker:
         return Observation(decode_reply(reply), text, tuple(changes), loaded, output)
 
     def _load(self) -> WorkerProcess:
-        """The process; a new one that has loaded the solver if there is none."""
+        """The process, which has loaded the solver.
+
+        If there is none, a new one is started.
+        """
         if self._process is not None and not self._process.closed:
             return self._process
         self._process = WorkerProcess(
@@ -106,7 +124,9 @@ class Worker:
 
 
 class Seen(NamedTuple):
-    """A judged answer, and what was seen while the solver worked on it.
+    """A judged answer, with what else was seen.
+
+    It was seen while the solver worked on the answer.
 
     `files` are new in the folder of the worker; `seconds` passed until the answer was here, and
     `limit` (s) was the question's.
@@ -121,7 +141,9 @@ class Seen(NamedTuple):
 
 
 class Interview:
-    """Questions to one solver and its judged answers, each asked once unless `again` is given.
+    """Questions to one solver and its judged answers.
+
+    Each is asked once unless `again` is given.
 
     `limit` and `total_limit` are seconds for each question and for all; `seen` has every answer so
     far, in the order of asking.
@@ -130,45 +152,64 @@ class Interview:
     def __init__(
         self, spec: str, source: Observer | Worker, profile: str, limit: float, total_limit: float
     ):
-        self.spec, self.declared, self.limit = spec, source.declared, limit
-        self.source, self.profile, self.tolerances = source, profile, PROFILES[profile]
+        self.spec = spec
+        self.declared = source.declared
+        self.limit = limit
+        self.source = source
+        self.profile = profile
+        self.tolerances = PROFILES[profile]
         self.seen: list[Seen] = []
         self._method = Method(*self.declared["method"])
-        self._total_limit, self._end = total_limit, monotonic() + total_limit
+        self._total_limit = total_limit
+        self._end = monotonic() + total_limit
         self._timeouts = 0
         self._answers: dict[tuple[Any, ...], Seen] = {}
         self._files: set[str] = set()
 
     def counts(self) -> dict[str, int]:
-        """How the questions ended, as `ConformanceReport.answers` has it."""
-        ended = Counter(
+        """Number of answers with each verdict.
+
+        They have the form of `ConformanceReport.answers`.
+        """
+        endings = Counter(
             str(seen.answer.verdict) if seen.answer.outcome is Outcome.RETURNED else UNANSWERED
             for seen in self.seen
         )
-        return {name: ended[name] for name in (*map(str, Verdict), UNANSWERED)}
+        return {name: endings[name] for name in (*map(str, Verdict), UNANSWERED)}
 
     def worst_gap(self) -> float | None:
-        """The largest gap of the paths that are longer than the shortest; None if there is none."""
+        """The largest gap of longer paths, or None.
+
+        These paths are longer than the shortest.
+        """
         answers = [seen.answer for seen in self.seen if seen.answer.path is not None]
         gaps = [one.gap or 0.0 for one in answers if one.verdict is Verdict.LONGER]
         return max(gaps, default=None)
 
     def claimed(self) -> int:
-        """How many answers claim a path, or that there is none."""
+        """Number of answers that claim something.
+
+        They claim a path, or that there is none.
+        """
         nothing = (Claim.FAILED, Claim.NONE, Claim.LIMIT)
         return sum(seen.answer.claim not in nothing for seen in self.seen)
 
     def answers(self, branch: str) -> bool:
-        """Whether the solver says that it answers a branch."""
+        """Whether the solver declares a branch."""
         return branch in self.declared["branches"]
 
     def taken(self, scenarios: Mapping[str, Scenario]) -> dict[str, Scenario]:
-        """Those of the scenarios that need no more than the solver says that it takes."""
+        """The scenarios that the solver takes.
+
+        They need no more than it declares.
+        """
         takes = set(self.declared["takes"])
         return {name: each for name, each in scenarios.items() if takes.issuperset(each.needs)}
 
     def ask(self, question: Question, *, again: bool = False, limit: float | None = None) -> Seen:
-        """The judged answer to a question; the earlier one unless `again`.
+        """The judged answer to a question.
+
+        It is the earlier one unless `again`.
 
         An UnfinishedError if the time for all questions is over, or too many were not answered.
         """
@@ -183,11 +224,14 @@ class Interview:
             )
         if self._timeouts >= MAX_TIMEOUTS:
             raise UnfinishedError(f"{MAX_TIMEOUTS} questions in a row were not answered in time")
-        began, limit = monotonic(), self.limit if limit is None else limit
+        if limit is None:
+            limit = self.limit
+        began = monotonic()
         observed = self.source.ask(question, limit)
         answer = judged(self.spec, question, observed.reply, self.tolerances, self._method)
         files = self._new_files()
-        seen = Seen(answer, question, observed, files, monotonic() - began, limit)
+        seconds = monotonic() - began
+        seen = Seen(answer, question, observed, files, seconds=seconds, limit=limit)
         self._timeouts = self._timeouts + 1 if answer.outcome is Outcome.TIMEOUT else 0
         self.seen.append(seen)
         if cold:
@@ -195,7 +239,9 @@ class Interview:
         return seen
 
     def _new_files(self) -> tuple[str, ...]:
-        """Files that have appeared in the worker's folder since the last question.
+        """New files in the worker's folder.
+
+        They have appeared since the last question.
 
         Those in its folder for temporary files, which is removed with it, are left out.
         """

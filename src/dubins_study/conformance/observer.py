@@ -1,4 +1,7 @@
-"""A solver, asked in this process: its replies, what it says of itself, and what it changes."""
+"""A solver that is asked in this process.
+
+Its replies, its declaration and its changes are observed.
+"""
 
 from __future__ import annotations
 
@@ -47,7 +50,7 @@ _MAX_TRACEBACK_CHARS = 4000
 
 
 class Observation(NamedTuple):
-    """A solver's reply to a question, not judged, and what else was seen.
+    """A solver's reply, not judged, with its effects.
 
     `traceback` has the solver's own frames of the exception that it raised; `changes` names the
     state of the process that the solve changed; `loaded` says whether modules were imported, which
@@ -62,7 +65,10 @@ class Observation(NamedTuple):
 
 
 class Observer:
-    """A loaded solver in the caller's process: for a debugger, and within an `interview.Worker`."""
+    """A loaded solver in the caller's process.
+
+    It serves a debugger, and an `interview.Worker`.
+    """
 
     folder = None
 
@@ -75,7 +81,10 @@ class Observer:
         self.declared = declaration(self.solver)
 
     def ask(self, question: Question, limit: float) -> Observation:
-        """The reply to a question, the exception's traceback, and the state that changed."""
+        """The reply to a question, and its effects.
+
+        They are the exception's traceback, and the state that changed.
+        """
         seed()
         raised: list[BaseException] = []
         modules = len(sys.modules)
@@ -103,7 +112,10 @@ def _children() -> int:
 
 
 def own_frames(error: BaseException) -> str:
-    """The traceback of a solver's exception, without the frames of this package that asked it."""
+    """The traceback of a solver's exception.
+
+    The frames of this package that asked the solver are left out.
+    """
     frames = dropwhile(
         lambda frame: frame.filename.startswith("<frozen") or frame.filename in _ASKING,
         traceback.extract_tb(error.__traceback__),
@@ -113,7 +125,10 @@ def own_frames(error: BaseException) -> str:
 
 
 def declaration(solver: Solver) -> dict[str, Any]:
-    """What a solver says of itself, as plain values, and what is wrong with that."""
+    """A solver's declaration, in plain values.
+
+    It has the problems of the declaration too.
+    """
     kind = type(solver)
     return {
         "name": str(kind.name),
@@ -129,7 +144,10 @@ def declaration(solver: Solver) -> dict[str, Any]:
 
 
 def _wrong_declaration(solver: Solver) -> Iterator[tuple[str, str, str]]:
-    """How bad a problem is (`conformance.report.Status`), what was seen, and what to do."""
+    """Problems of a declaration, with advice.
+
+    Each has its status (`conformance.report.Status`), what was seen, and what to do.
+    """
     kind = type(solver)
     unknown = [name for name in kind.branches if name not in EVERY_BRANCH]
     if unknown or not kind.branches:
@@ -152,7 +170,10 @@ def _wrong_declaration(solver: Solver) -> Iterator[tuple[str, str, str]]:
 
 
 def _wrong_settings(solver: Solver) -> Iterator[tuple[str, str, str]]:
-    """Settings that a spec cannot set, and settings that may change."""
+    """Settings that a spec cannot set.
+
+    Settings that may change are problems too.
+    """
     kind = type(solver)
     for key, value in settings(solver).items():
         if not isinstance(value, int | float | str):
@@ -166,7 +187,9 @@ def _wrong_settings(solver: Solver) -> Iterator[tuple[str, str, str]]:
 
 
 def serve(channel: Channel, spec: str, profile: str, folder: str) -> None:
-    """Answer the tasks of an `interview.Worker`, in a process of its own.
+    """Answer the tasks of an `interview.Worker`.
+
+    This runs in a process of its own.
 
     The first task is ["load"]; its answer is ["loaded", declaration], ["refused", message] or
     ["broken", message, traceback]. Any other task is ["ask", question, limit]; its answer is an

@@ -1,7 +1,7 @@
-"""The scenarios of the checks, labelled, and the commands that ask them.
+"""The labelled scenarios of the checks.
 
-Radii, speeds, start poses and headings differ from 1 and 0 one after another: which questions fail
-says what a solver mixes up.
+Commands that ask them again are here too. Radii, speeds, start poses and headings differ from 1 and
+0 one after another: the questions that fail show which of them a solver mixes up.
 """
 
 from __future__ import annotations
@@ -22,7 +22,10 @@ TIME_LIMIT_S = 5.0  # for one question, unless the caller gives another
 
 
 def labelled(scenarios: Mapping[str, Scenario]) -> dict[str, Scenario]:
-    """The scenarios with their names as labels, by which findings name them."""
+    """The scenarios with their names as labels.
+
+    Findings name the scenarios by their labels.
+    """
     return {name: replace(scenario, label=name) for name, scenario in scenarios.items()}
 
 
@@ -45,7 +48,10 @@ REFERENCE = GENERAL["all at once"]
 
 
 def placed(X: float, Y: float, label: str = "") -> Scenario:
-    """The reference with its target X radii ahead of the start and Y radii to the left."""
+    """The reference with another target.
+
+    The target lies X radii ahead of the start and Y radii to the left.
+    """
     s = REFERENCE
     target = complex(s.x, s.y) + s.radius * complex(X, Y) * cmath.rect(1, s.start.heading)
     return replace(s, target_x=target.real, target_y=target.imag, label=label)
@@ -66,12 +72,16 @@ DISCS = labelled(
 
 
 def _near_circle(angle: float, distance: float) -> Scenario:
-    """A target at an arc angle (rad) of the left circle, `distance` radii outside it."""
+    """A target near the left circle.
+
+    It lies at an arc angle (rad), `distance` radii outside the circle.
+    """
     target = complex(0, 1) + cmath.rect(1 + distance, angle - math.pi / 2)
     return Scenario(target_x=target.real, target_y=target.imag)
 
 
-_FRONT, _REAR = 1.0, 4.5  # arc angles (rad) of the left circle
+_FRONT = 1.0  # arc angle (rad) of the left circle
+_REAR = 4.5
 CIRCLES = labelled(
     {
         "on the left circle, (R, R)": Scenario(target_x=1, target_y=1),
@@ -98,7 +108,10 @@ AXIS = labelled(
 
 
 def changed(turn: float = 0.0, shift: complex = 0j, scale: float = 1.0) -> Scenario:
-    """The reference with start and target turned about the origin (rad), moved and scaled."""
+    """The reference turned, moved and scaled.
+
+    Start and target are turned (rad) about the origin.
+    """
     s = REFERENCE
     turned = cmath.rect(1, turn)
     start = scale * (complex(s.x, s.y) * turned + shift)
@@ -159,15 +172,23 @@ WITHOUT = {
 
 
 def command(spec: str, question: Question, limit: float, profile: str) -> str:
-    """The command that asks a question again, with the same limit (s)."""
+    """The command that asks a question again.
+
+    It has the same limit (s).
+    """
     row = {name: getattr(question.scenario, name) for name in COLUMNS}
     row |= {"solver": spec, "branch": question.branch, "profile": profile, "time_limit_s": limit}
     return solve_command(row)
 
 
 def check_command(spec: str, check: str, limit: float, profile: str) -> str:
-    """The command that makes a check again, where one question does not show what was seen."""
+    """The command that makes a check again.
+
+    It serves where one question does not show what was seen.
+    """
     words = ["dubins-study", "check-solver", spec, "--check", check]
-    words += ["--time-limit", f"{limit:g}"] if limit != TIME_LIMIT_S else []
-    words += ["--profile", profile] if profile != "default" else []
+    if limit != TIME_LIMIT_S:
+        words += ["--time-limit", f"{limit:g}"]
+    if profile != "default":
+        words += ["--profile", profile]
     return shlex.join(words)

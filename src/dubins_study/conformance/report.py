@@ -1,4 +1,7 @@
-"""The findings of all checks of a solver, its report, and how a terminal shows it."""
+"""The findings of all checks of a solver.
+
+They form its report, with the text for a terminal.
+"""
 
 from __future__ import annotations
 
@@ -28,7 +31,10 @@ class Status(StrEnum):
 
 
 class Part(StrEnum):
-    """The part of an answer that a finding is about."""
+    """The part that a finding is about.
+
+    It is a part of an answer.
+    """
 
     OUTCOME = "outcome"
     CONTROLS = "controls"
@@ -82,19 +88,27 @@ class CheckResult:
 
     @property
     def status(self) -> Status:
-        """The worst of the findings' statuses; `pass` or why not, where there are none."""
-        statuses = [self.applied, *(found.status for found in self.findings)]
+        """The worst status among the findings.
+
+        If there are none: `pass`, or why the check was not applied.
+        """
+        statuses = [self.applied, *(finding.status for finding in self.findings)]
         return max(statuses, key=list(Status).index)
 
     @property
     def passed(self) -> bool:
-        """Whether the check was applied, or need not be, and nothing failed."""
+        """Whether the check has passed.
+
+        Nothing failed, and the check was applied or need not be.
+        """
         return self.status not in (Status.FAIL, Status.NOT_ASKED)
 
 
 @dataclass(frozen=True, slots=True, repr=False)
 class ConformanceReport:
-    """The outcome of all checks of one solver; as a text, what a terminal shows.
+    """The outcome of all checks of one solver.
+
+    As a text, it is what a terminal shows.
 
     Args:
         solver: its spec.
@@ -115,7 +129,10 @@ class ConformanceReport:
 
     @property
     def passed(self) -> bool:
-        """Whether every check passed; notes are no failures, checks that were not made are."""
+        """Whether every check passed.
+
+        Notes are no failures; checks that were not made are.
+        """
         return all(result.passed for result in self.results)
 
     def __getitem__(self, name: str) -> CheckResult:
@@ -137,7 +154,7 @@ class ConformanceReport:
         """The report as values that JSON can hold."""
         checks = [
             {"name": one.name, "title": one.title, "status": one.status, "summary": one.summary}
-            | {"findings": [asdict(found) for found in one.findings]}
+            | {"findings": [asdict(finding) for finding in one.findings]}
             for one in self.results
         ]
         return {
@@ -152,7 +169,8 @@ class ConformanceReport:
         }
 
 
-_WIDTH, _LEAST_WIDTH = 100, 30
+_WIDTH = 100
+_LEAST_WIDTH = 30
 _MARGIN = " " * 6
 # status -> its mark before a check, and how the verdict counts such checks, worst first
 _STATUS_TEXTS = {
@@ -165,12 +183,14 @@ _STATUS_TEXTS = {
 
 
 def report_text(report: ConformanceReport, width: int | None = None) -> str:
-    """All checks, a line each, with their findings below; the verdict last.
+    """All checks, with their findings and the verdict.
+
+    Each check has a line, with its findings below; the verdict is last.
 
     Lines fit the terminal's `width` and 100 characters; commands and tracebacks are never broken.
     """
     width = max(min(width or _WIDTH, _WIDTH), _LEAST_WIDTH)
-    told: set[str] = set()  # advice, which is given once
+    earlier_advice: set[str] = set()  # the same advice is given once
     blocks = []
     for (status, _), group in groupby(report, key=_together):
         result, *others = group
@@ -182,32 +202,35 @@ def report_text(report: ConformanceReport, width: int | None = None) -> str:
             summary = f" ({plain(result.summary)})" if result.summary else ""
             line = f"{mark}  {result.name:<12} {result.title}{summary}"
         blocks.append(_wrapped(line, width, _MARGIN))
-        for found in result.findings:
-            if found.advice in told:
-                found = replace(found, advice="", traceback="")
-            elif found.advice:
-                told.add(found.advice)
-            blocks.append(indent(_finding(found, width - len(_MARGIN)), _MARGIN))
+        for finding in result.findings:
+            if finding.advice in earlier_advice:
+                finding = replace(finding, advice="", traceback="")
+            elif finding.advice:
+                earlier_advice.add(finding.advice)
+            blocks.append(indent(_finding_text(finding, width - len(_MARGIN)), _MARGIN))
     last = [_wrapped(line, width, "  ") for line in _verdict(report)]
     return "\n".join([plain(report.solver), "", *blocks, "", *last])
 
 
 def _together(result: CheckResult) -> tuple[Status, object]:
-    """Checks that were not made for one reason are one line; all others are lines of their own."""
+    """The key of checks that share a line.
+
+    Checks that were not made for one reason share one; every other check has its own.
+    """
     same = result.status is Status.NOT_ASKED and not result.findings
     return result.status, result.summary if same else result
 
 
-def _finding(found: Finding, width: int) -> str:
-    more = f" (and {found.count - 1} more)" if found.count > 1 else ""
-    where = f"{plain(found.question)}: " if found.question else ""
-    lines = [_wrapped(f"{where}{plain(found.observed)}{more}", width)]
-    if found.advice:
-        lines.append(_wrapped(f"→ {plain(found.advice)}", width, "  "))
-    if found.traceback:
-        lines.append(indent(printable_text(found.traceback.rstrip()), "  "))
-    if found.command and found.status is Status.FAIL:
-        lines.append(f"$ {plain(found.command)}")
+def _finding_text(finding: Finding, width: int) -> str:
+    more = f" (and {finding.count - 1} more)" if finding.count > 1 else ""
+    where = f"{plain(finding.question)}: " if finding.question else ""
+    lines = [_wrapped(f"{where}{plain(finding.observed)}{more}", width)]
+    if finding.advice:
+        lines.append(_wrapped(f"→ {plain(finding.advice)}", width, "  "))
+    if finding.traceback:
+        lines.append(indent(printable_text(finding.traceback.rstrip()), "  "))
+    if finding.command and finding.status is Status.FAIL:
+        lines.append(f"$ {plain(finding.command)}")
     return "\n".join(lines)
 
 
@@ -218,7 +241,10 @@ def _wrapped(text: str, width: int, hanging: str = "") -> str:
 
 
 def _verdict(report: ConformanceReport) -> Iterator[str]:
-    """Whether the report passed and how many checks ended how; and so the answers."""
+    """Sentences about the checks and the answers.
+
+    They tell whether the report passed, how many checks ended how, and how many answers.
+    """
     counts = [
         f"{len(report.with_status(status))} {name}"
         for status, (_, name) in _STATUS_TEXTS.items()
@@ -230,8 +256,9 @@ def _verdict(report: ConformanceReport) -> Iterator[str]:
         worst = f"{100 * report.worst_gap:.3g} %"
         number = report.answers[Verdict.LONGER]
         longer = f"; paths longer than the shortest on {number} of {total} questions, worst {worst}"
-    yield f"{'passed' if report.passed else 'FAILED'}: {', '.join(counts)}{longer}"
-    ended = ", ".join(f"{count} {name}" for name, count in report.answers.items() if count)
-    yield f"{total} questions in {report.seconds:.1f} s" + (f": {ended}" if ended else "")
+    outcome = "passed" if report.passed else "FAILED"
+    yield f"{outcome}: {', '.join(counts)}{longer}"
+    endings = ", ".join(f"{count} {name}" for name, count in report.answers.items() if count)
+    yield f"{total} questions in {report.seconds:.1f} s" + (f": {endings}" if endings else "")
     if total and not report.claimed:
         yield "It claims nothing of any answer: no check can find a claim of its false."

@@ -1,1 +1,4 @@
-"""Experiments: which questions go to which solvers, and the code that runs and records them."""
+"""Experiments: their questions, their runs and their rows.
+
+An experiment says which questions go to which solvers; the code here runs and records them.
+"""

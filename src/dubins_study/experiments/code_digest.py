@@ -1,10 +1,10 @@
-"""The code digest: changes whenever a solver would have to be run again.
+"""The code digest: changes when solvers must run again.
 
 A solver lies in a room: a folder of `solvers`, or a module directly in `solvers`. Its digest covers
-the code of the whole room, of every room of `solvers` and `asking` that the room's code names, of
-the attempt that judges an answer, and of `study`. Rooms are found by their dotted names in the
-code. An import inside a function therefore counts, like one at the top of a file. Comments,
-docstrings and layout do not.
+the code of the whole room, of the attempt that judges an answer, and of `study`. It also covers
+every room of `solvers` and `asking` that the room's code names. Rooms are found by their dotted
+names in the code. An import inside a function therefore counts, like one at the top of a file.
+Comments, docstrings and layout do not.
 """
 
 from __future__ import annotations
@@ -18,6 +18,7 @@ import re
 import sys
 from collections.abc import Iterable
 from functools import cache
+from itertools import chain
 from pathlib import Path as FilePath
 from typing import Any
 
@@ -52,7 +53,10 @@ def code_digest(spec: str, profile: str = "default") -> str:
 
 
 def plain_settings(solver: Solver) -> dict[str, Any]:
-    """A solver's settings as values that JSON can hold; values of other types become text."""
+    """A solver's settings as values that JSON can hold.
+
+    Values of other types become text.
+    """
     return {
         name: value if _is_plain(value) else _ADDRESS.sub("", str(value))
         for name, value in settings(solver).items()
@@ -66,7 +70,10 @@ def _is_plain(value: object) -> bool:
 
 
 def solver_sources(spec: str, solver_class: type[Any]) -> Sources:
-    """The source files on which a solver's rows depend: of a plug-in its file or whole package."""
+    """The source files on which a solver's rows depend.
+
+    Of a plug-in: its file, or its whole package.
+    """
     module = solver_class.__module__
     plugin = plugin_file(name_of(spec))
     if plugin is not None:
@@ -80,7 +87,10 @@ def solver_sources(spec: str, solver_class: type[Any]) -> Sources:
 
 
 def _with_named_rooms(sources: Sources) -> Sources:
-    """The sources, the rooms that they name, the rooms that those name, and so on."""
+    """The sources with all rooms that they name.
+
+    Rooms that those rooms name are included, and so on.
+    """
     complete = dict(sources)
     unread = list(sources.values())
     while unread:
@@ -93,7 +103,10 @@ def _with_named_rooms(sources: Sources) -> Sources:
 
 @cache
 def _room(name: str) -> Sources:
-    """All modules of a room, such as `solvers.route`; empty if no room has that name."""
+    """All modules of a room, such as `solvers.route`.
+
+    Empty if no room has that name.
+    """
     place = _PACKAGE.joinpath(*name.split("."))
     files = place.rglob("*.py") if place.is_dir() else [place.with_suffix(".py")]
     return _read_all(_PACKAGE, (file for file in files if file.is_file()))
@@ -101,16 +114,22 @@ def _room(name: str) -> Sources:
 
 @cache
 def study_sources() -> Sources:
-    """All modules of `study`, which judges every answer, except those of the results format."""
+    """All modules of `study`, which judges every answer.
+
+    The modules of the results format are left out.
+    """
     files = (_PACKAGE / "study").rglob("*.py")
     return _read_all(_PACKAGE, (file for file in files if file.parent.name != "rows"))
 
 
 def _installed_plugin(package_name: str) -> Sources:
-    """All modules of an entry point's top-level package, or its single module."""
+    """All modules of an installed plug-in.
+
+    They are those of the entry point's top-level package, or its single module.
+    """
     package = sys.modules[package_name]
     folders = [FilePath(folder) for folder in getattr(package, "__path__", ())]
-    files = [file for folder in folders for file in folder.rglob("*.py")]
+    files = list(chain.from_iterable(folder.rglob("*.py") for folder in folders))
     root = folders[0].parent if folders else FilePath(str(package.__file__)).parent
     return _read_all(root, files or [FilePath(str(package.__file__))])
 
@@ -121,7 +140,10 @@ def _read_all(root: FilePath, files: Iterable[FilePath]) -> Sources:
 
 @cache
 def _read(file: FilePath) -> bytes:
-    """The syntax of a file; the bytes of one that is not Python."""
+    """The syntax of a file.
+
+    A file that is not Python gives its bytes.
+    """
     content = file.read_bytes()
     try:
         tree = ast.parse(content)
@@ -133,7 +155,10 @@ def _read(file: FilePath) -> bytes:
 
 
 class _Bare(ast.NodeTransformer):
-    """Removes statements of a constant alone, such as docstrings; imports whole names."""
+    """Removes docstrings and other statements of a constant alone.
+
+    Imports name whole modules.
+    """
 
     def visit_ImportFrom(self, node: ast.ImportFrom) -> ast.Import:
         whole = [ast.alias(f"{node.module}.{each.name}", each.asname) for each in node.names]

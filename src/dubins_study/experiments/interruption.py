@@ -1,4 +1,7 @@
-"""Ctrl-C or SIGTERM in a run: after the first, the current solve ends; the second aborts it."""
+"""Ctrl-C or SIGTERM in a run.
+
+After the first the current solve ends; the second aborts it.
+"""
 
 from __future__ import annotations
 
@@ -12,7 +15,9 @@ _SIGNALS = (signal.SIGINT, signal.SIGTERM)
 
 
 class Interruption:
-    """In the `with` block a first signal sets `requested`; the next raises KeyboardInterrupt.
+    """Set `requested` at the first signal, then raise.
+
+    In the `with` block the next signal raises KeyboardInterrupt.
 
     The signals are SIGINT (Ctrl-C) and SIGTERM, which a batch system sends before it kills.
     The first signal only sets a flag, because some libraries (casadi) turn a KeyboardInterrupt
@@ -22,7 +27,8 @@ class Interruption:
     """
 
     def __init__(self, signals: Sequence[int] = _SIGNALS, *, at_once: bool = False) -> None:
-        self._signals, self._at_once = signals, at_once
+        self._signals = signals
+        self._at_once = at_once
         self.requested = False
         self._previous: dict[int, Any] = {}
 

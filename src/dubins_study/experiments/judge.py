@@ -1,4 +1,7 @@
-"""Judge the answers that another program wrote into a file, and keep them as a results folder."""
+"""Judge another program's answers from a file.
+
+The rows may be kept as a results folder.
+"""
 
 from __future__ import annotations
 
@@ -58,11 +61,17 @@ _Numbers = Annotated[
 
 
 class AnswersError(DubinsStudyError, ValueError):
-    """A file of answers that cannot be judged; names file, line, column and what was expected."""
+    """A file of answers cannot be judged.
+
+    The message names file, line, column and what was expected.
+    """
 
 
 class Given(StrictModel):
-    """An answer as a file has it; lengths in the scenario's unit."""
+    """An answer as a file has it.
+
+    Lengths are in the scenario's unit.
+    """
 
     id: str
     curvatures: _Numbers | None = None
@@ -71,7 +80,7 @@ class Given(StrictModel):
     bound: _Finite | None = None
     seconds: Annotated[_Finite, Field(ge=0)] | None = None
     start_heading: _Finite | None = None  # rad, where the scenario's is free
-    # it stands where specs of solvers do, and must not read as one with settings
+    # it stands in the column of solvers' specs, and must not read as a spec with settings
     method: Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9 _.+-]{0,59}$")]
 
     @property
@@ -91,10 +100,10 @@ def judge_answers(
     out: str | FilePath | None = None,
     progress: Progress | None = None,
 ) -> pd.DataFrame:
-    """Judge the answers of a file to the questions of an experiment, by their controls alone.
+    """Judge a file's answers to an experiment's questions.
 
-    A question without an answer has a row too, with the outcome `not_asked`: it stays in every
-    share.
+    They are judged by their controls alone. A question without an answer has a row too, with the
+    outcome `not_asked`: it stays in every share.
 
     Args:
         file: a .csv file with the columns `COLUMNS`, lists with spaces between the numbers, or a
@@ -114,10 +123,10 @@ def judge_answers(
 
     experiment_file = read(suite)
     every = questions(experiment_file.experiment)
-    asked = {id_: q for id_, q in every.items() if pathless_kind_of(q.branch) is None}
-    if not asked:
+    with_paths = {id_: q for id_, q in every.items() if pathless_kind_of(q.branch) is None}
+    if not with_paths:
         raise AnswersError(f"{suite} asks for points of convex problems; expected one of paths")
-    answers = read_answers(FilePath(file), asked)
+    answers = read_answers(FilePath(file), with_paths)
     # other answers of the same method make its earlier rows stale
     digest = hashlib.sha256(FilePath(file).read_bytes()).hexdigest()[:12]
     methods = list(dict.fromkeys(method for _, method in answers))
@@ -126,12 +135,12 @@ def judge_answers(
     settings = settings._replace(executor="file")
     rows: list[Row] = []
     for method in methods:
-        for id_, question in asked.items():
+        for id_, question in with_paths.items():
             cell = _cell(method, profile, digest, question)
             reply = answers.get((id_, method), _UNANSWERED)
             rows.append({"id": id_} | _row(cell, reply, settings))
             if progress is not None:
-                progress(len(rows), len(asked) * len(methods))
+                progress(len(rows), len(with_paths) * len(methods))
     if out is not None:
         command = ["dubins-study", "judge", str(file), "--suite", str(suite)]
         stored = [{name: row[name] for name in row if name != "id"} for row in rows]
@@ -157,22 +166,25 @@ def _cell(method: str, profile: str, digest: str, asked: Asked) -> Cell:
 
 
 def _row(cell: Cell, reply: Reply, settings: RunSettings) -> Row:
-    """The judged row of an answer; machine and threads are not known."""
+    """The judged row of an answer.
+
+    Machine and threads are not known.
+    """
     prepare(cell.scenario, cell.branch)
     row = row_of(cell, Question(cell.scenario, cell.branch), settings, reply)
     return row | {"machine": _MACHINE, "threads": None}
 
 
 def _store(folder: FilePath, new: Manifest, settings: RunSettings, rows: list[Row]) -> None:
-    """Write the rows that a results folder does not hold yet."""
+    """Write the rows that a folder does not hold."""
     prepare_folder(folder)
     with locked(folder):
         manifest, _ = open_folder(folder, new, restart=False)
         keys = {row_key(row) for row in rows}
-        held = done(folder)
-        totals = Counter((method, digest) for _, method, *_, digest in keys | held)
+        done_keys = done(folder)
+        totals = Counter((method, digest) for _, method, *_, digest in keys | done_keys)
         manifest, completes = count_cells(manifest, set(new.solvers), totals)
-        if keys <= held and manifest.finished:
+        if keys <= done_keys and manifest.finished:
             return
         entry = RunEntry(
             command=new.command,
@@ -182,7 +194,7 @@ def _store(folder: FilePath, new: Manifest, settings: RunSettings, rows: list[Ro
         )
         with RunRecord(folder, manifest, entry, completes):
             writer = PartWriter(folder, settings.run_id, len(keys), None)
-            writer.skip(keys & held)
+            writer.skip(keys & done_keys)
             writer.add(rows)
             writer.flush()
             compact(folder, settings.run_id)
@@ -202,11 +214,11 @@ def read_answers(file: FilePath, asked: dict[str, Asked]) -> dict[tuple[str, str
         cells = {name: row.values.get(name) for name in COLUMNS}
         values = {name: cell for name, cell in cells.items() if cell not in (None, "")}
         try:
-            given = Given.model_validate({"method": file.stem} | values)
-            path = _path(given, asked)
-            if given.key in places:
+            answer = Given.model_validate({"method": file.stem} | values)
+            path = _path(answer, asked)
+            if answer.key in places:
                 raise AnswersError(
-                    f"id {given.id} of method {given.method} is in {places[given.key]} already; "
+                    f"id {answer.id} of method {answer.method} is in {places[answer.key]} already; "
                     "expected one answer"
                 )
         except ValidationError as error:
@@ -214,10 +226,10 @@ def read_answers(file: FilePath, asked: dict[str, Asked]) -> dict[tuple[str, str
         except AnswersError as error:
             problems.append(f"{row.place}: {error}")
         else:
-            solution = Solution(given.claim, path=path, lower_bound=given.bound)
-            times = Times(None, given.seconds, given.seconds)
-            answers[given.key] = Reply(Outcome.RETURNED, solution, times, versions="{}")
-            places[given.key] = row.place
+            solution = Solution(answer.claim, path=path, lower_bound=answer.bound)
+            times = Times(solve_s=answer.seconds, wall_s=answer.seconds)
+            answers[answer.key] = Reply(Outcome.RETURNED, solution, times, versions="{}")
+            places[answer.key] = row.place
     if not (answers or problems):
         problems = ["no answers; expected a row each"]
     if problems:
@@ -241,18 +253,23 @@ def _json_table(file: FilePath) -> Table:
     return Table([*_REQUIRED, *(name for name in names if name not in _REQUIRED)], rows, [])
 
 
-def _path(given: Given, asked: dict[str, Asked]) -> Path | None:
-    """The path of an answer; None where it has no controls."""
-    if given.id not in asked:
-        near = did_you_mean(given.id, asked)
+def _path(answer: Given, asked: dict[str, Asked]) -> Path | None:
+    """The path of an answer.
+
+    None if the answer has no controls.
+    """
+    if answer.id not in asked:
+        near = did_you_mean(answer.id, asked)
         expected = "expected an id of the suite's instances.csv, as `dubins-study export` writes it"
-        raise AnswersError(f"id is {short(given.id)}; {near}{expected}")
-    if given.method in registered():
-        raise AnswersError(f"method is {given.method!r}, a solver of ours; expected another name")
-    scenario, heading = asked[given.id].scenario, given.start_heading
-    if given.curvatures is None and given.lengths is None:
+        raise AnswersError(f"id is {short(answer.id)}; {near}{expected}")
+    if answer.method in registered():
+        raise AnswersError(f"method is {answer.method!r}, a solver of ours; expected another name")
+    scenario = asked[answer.id].scenario
+    heading = answer.start_heading
+    if answer.curvatures is None and answer.lengths is None:
         return None
-    curvatures, lengths = given.curvatures or [], given.lengths or []
+    curvatures = answer.curvatures or []
+    lengths = answer.lengths or []
     if len(curvatures) != len(lengths):
         counts = f"curvatures has {len(curvatures)} numbers and lengths {len(lengths)}"
         raise AnswersError(f"{counts}; expected as many")

@@ -1,4 +1,4 @@
-"""Where a run came from: versions, machine, state of the source."""
+"""Origin of a run: versions, machine and source."""
 
 from __future__ import annotations
 
@@ -24,13 +24,19 @@ def now() -> str:
 
 @cache
 def versions(packages: tuple[str, ...] = ()) -> dict[str, str]:
-    """Versions of Python, of the packages that every row depends on, and of the packages named."""
+    """Versions of Python and of packages.
+
+    Packages on which every row depends are included.
+    """
     return {"python": platform.python_version()} | versions_of((*_BASE_PACKAGES, *packages))
 
 
 @cache
 def versions_of(packages: tuple[str, ...]) -> dict[str, str]:
-    """Versions of packages, by name; `not installed` for a package that is missing."""
+    """Versions of packages, by name.
+
+    `not installed` stands for a package that is missing.
+    """
     return {package: _version(package) for package in packages}
 
 
@@ -43,7 +49,10 @@ def _version(package: str) -> str:
 
 @cache
 def machine() -> dict[str, str | int]:
-    """What kind of machine this is. Its name and its paths are private and left out."""
+    """The kind of this machine.
+
+    Its name and its paths are private and left out.
+    """
     return {
         "system": f"{platform.system()} {platform.machine()}",
         "processor": _processor(),
@@ -70,7 +79,10 @@ def host() -> str:
 
 
 def governor(cpus: FilePath = FilePath("/sys/devices/system/cpu")) -> str:
-    """The policy that sets the cores' clock: performance, ...; several if cores differ."""
+    """The policy that sets the cores' clock.
+
+    An example is `performance`. Several are listed if cores differ.
+    """
     governors = set()
     for file in cpus.glob("cpu[0-9]*/cpufreq/scaling_governor"):
         with suppress(OSError, UnicodeDecodeError):
@@ -79,7 +91,10 @@ def governor(cpus: FilePath = FilePath("/sys/devices/system/cpu")) -> str:
 
 
 def load_average() -> list[float]:
-    """Mean number of processes that wanted a core in the last 1, 5 and 15 minutes."""
+    """Mean numbers of processes that wanted a core.
+
+    They are means over the last 1, 5 and 15 minutes.
+    """
     return [round(value, 2) for value in psutil.getloadavg()]
 
 
@@ -94,7 +109,10 @@ def _processor() -> str:
 
 @cache
 def source() -> dict[str, str | bool]:
-    """The commit of the source tree, and whether files were changed since; empty without git."""
+    """The commit of the source tree.
+
+    `changed` tells whether files were changed since. Empty without git.
+    """
     root = FilePath(__file__).parents[3]
     if not (root / ".git").exists():
         return {}

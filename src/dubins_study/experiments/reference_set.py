@@ -1,4 +1,7 @@
-"""The questions of an experiment as files for programs that are no plug-ins."""
+"""An experiment's questions as files for other programs.
+
+These programs are no plug-ins.
+"""
 
 from __future__ import annotations
 
@@ -25,7 +28,7 @@ _CHECKED = ("reference_low", "reference_high", "length", "start_heading", "curva
 
 
 class Exported(NamedTuple):
-    """What `export_suite` has written."""
+    """The result of `export_suite`."""
 
     folder: FilePath
     instances: int
@@ -40,7 +43,9 @@ def export_suite(
     out: str | FilePath,
     progress: Callable[[int, int], None] | None = None,
 ) -> Exported:
-    """Write a file for each question of an experiment, and the table `instances.csv`.
+    """Write a file for each question of an experiment.
+
+    The table `instances.csv` is written too.
 
     Args:
         suite: the name of a packaged experiment, or the path of a TOML file.
@@ -54,15 +59,15 @@ def export_suite(
         ResultsError: if the folder cannot be written.
     """
     file = read(suite)
-    asked = questions(file.experiment)
+    suite_questions = questions(file.experiment)
     texts = texts_of(formulation)
     allowed = tolerances(file.experiment.profile)
     folder = FilePath(out)
-    exported = Exported(folder, len(asked), 0, [], {})
+    exported = Exported(folder, instances=len(suite_questions), files=0, open=[], left_out={})
     rows: list[dict[str, Any]] = []
     with os_errors_as(f"cannot write to {folder}"):
         folder.mkdir(parents=True, exist_ok=True)
-        for done, (id_, each) in enumerate(asked.items(), start=1):
+        for done, (id_, each) in enumerate(suite_questions.items(), start=1):
             names = []
             try:
                 for end, text in texts(Question(each.scenario, each.branch)).items():
@@ -76,7 +81,7 @@ def export_suite(
                 exported.open.append(id_)
             rows.append(row)
             if progress is not None:
-                progress(done, len(asked))
+                progress(done, len(suite_questions))
         if not exported.files:
             reason = next(iter(exported.left_out.values()))
             raise ExportError(f"{suite} has no question for {formulation}: {reason}")
@@ -85,8 +90,12 @@ def export_suite(
 
 
 def best_known(asked: Asked, allowed: Tolerances) -> Answer:
-    """The shortest path that the check knows, judged, with the proven interval."""
-    scenario, branch = asked.scenario, asked.branch
+    """The shortest path that the check knows.
+
+    It is judged, with the proven interval.
+    """
+    scenario = asked.scenario
+    branch = asked.branch
     path = None
     if pathless_kind_of(branch) is None:
         prepare(scenario, branch)
@@ -96,10 +105,14 @@ def best_known(asked: Asked, allowed: Tolerances) -> Answer:
 
 
 def _instance(id_: str, asked: Asked, allowed: Tolerances) -> dict[str, Any]:
-    """A row of the table; lists are numbers with spaces between them, as in files of scenarios."""
+    """A row of the table.
+
+    Lists are numbers with spaces between them, as in files of scenarios.
+    """
     scenario = asked.scenario
     best = best_known(asked, allowed)
-    low, high = best.reference_low, best.reference_high
+    low = best.reference_low
+    high = best.reference_high
     is_open = False
     if low is not None and high is not None:
         is_open = high - low > allowed.gap * max(low, scenario.radius)

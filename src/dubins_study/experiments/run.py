@@ -1,4 +1,7 @@
-"""Run an experiment: solve the cells that its results folder does not hold yet."""
+"""Run an experiment: solve its cells.
+
+Cells whose rows the results folder holds are not solved again.
+"""
 
 from __future__ import annotations
 
@@ -7,6 +10,7 @@ import warnings
 from collections import Counter
 from collections.abc import Iterator
 from contextlib import AbstractContextManager, closing
+from itertools import chain
 from pathlib import Path as FilePath
 from uuid import uuid4
 
@@ -119,7 +123,10 @@ def _solve(
     progress: Progress | None,
     stop: Interruption,
 ) -> None:
-    """Solve the cells; write the rows as they come, then unite them in one part."""
+    """Solve the cells, and write their rows.
+
+    Rows are written as they come, then united in one part.
+    """
     folder = plan.folder
     experiment = plan.experiment_file.experiment
     rising = experiment.rising
@@ -134,20 +141,20 @@ def _solve(
     )
     keys = plan.keys
     done_keys = done(folder)
-    left = len(keys - done_keys)
+    cells_left = len(keys - done_keys)
     _LOG.info(
         "%s into %s: %d cells, %d of them to solve, with %s",
-        *(plan.experiment_file.name, folder, len(keys), left, settings),
+        *(plan.experiment_file.name, folder, len(keys), cells_left, settings),
     )
     totals = Counter((solver, digest) for _, solver, *_, digest in keys | done_keys)
     manifest, completes = count_cells(manifest, set(plan.solver_specs), totals)
-    if left < len(keys):
+    if cells_left < len(keys):
         for sentence in _other_limits(manifest, settings):
             _LOG.warning("dubins-study: %s: %s", folder, sentence)
     writer = PartWriter(folder, settings.run_id, len(keys), progress)
     writer.skip(keys & done_keys)
     recorded_as_finished = manifest.finished is not None or not completes
-    if recorded_as_finished and not left:
+    if recorded_as_finished and not cells_left:
         return
     entry = RunEntry(
         command=request.command(),
@@ -162,7 +169,7 @@ def _solve(
                     unit = WorkUnit(settings, chains).remaining(done_keys)
                     unit = unit._replace(chains=shuffled(unit.chains, settings.seed))
                     if rising:
-                        writer.flush()  # the verdicts so far decide what is asked
+                        writer.flush()  # the verdicts so far decide which cells are asked
                         unit, rows = not_asked(folder, unit)
                         writer.add(rows)
                     if not unit.chains:
@@ -181,26 +188,32 @@ def _solve(
 
 
 def _other_limits(manifest: Manifest, settings: RunSettings) -> Iterator[str]:
-    """What is said of rows that were made under other limits than those that are asked for."""
+    """Sentences about rows made under other limits.
+
+    They name these limits and the limits that are asked for.
+    """
     for name, limit, unit in (
         ("time_limit_s", "time limit", "s"),
         ("memory_limit_gib", "memory limit", "GiB"),
     ):
-        asked = getattr(settings, name)
-        earlier = sorted({getattr(entry, name) for entry in manifest.runs} - {asked})
+        current = getattr(settings, name)
+        earlier = sorted({getattr(entry, name) for entry in manifest.runs} - {current})
         if earlier:
-            made = " and ".join(f"{value:g}" for value in earlier)
+            limits = " and ".join(f"{value:g}" for value in earlier)
             yield (
-                f"rows are there of a {limit} of {made} {unit}, and stay beside {asked:g} {unit}; "
-                "--restart solves them again"
+                f"rows are there of a {limit} of {limits} {unit}, and stay beside {current:g} "
+                f"{unit}; --restart solves them again"
             )
 
 
 def _new_manifest(plan: RunPlan, command: str) -> Manifest:
-    """The manifest of a folder that holds only this experiment; its cells are not counted yet."""
+    """The manifest of a folder with only this experiment.
+
+    Its cells are not counted yet.
+    """
     profile = plan.experiment_file.experiment.profile
     solvers = {spec: describe_solver(spec, profile) for spec in plan.solver_specs}
-    packages = sorted({package for solver in solvers.values() for package in solver.packages})
+    packages = {*chain.from_iterable(solver.packages for solver in solvers.values())}
     entries = {
         spec: SolverEntry(
             settings=solver.settings,
@@ -209,7 +222,7 @@ def _new_manifest(plan: RunPlan, command: str) -> Manifest:
         )
         for spec, solver in solvers.items()
     }
-    return new_manifest(plan.experiment_file, command, entries, tuple(packages))
+    return new_manifest(plan.experiment_file, command, entries, tuple(sorted(packages)))
 
 
 def new_manifest(
@@ -218,8 +231,12 @@ def new_manifest(
     solvers: dict[str, SolverEntry],
     packages: tuple[str, ...] = (),
 ) -> Manifest:
-    """The manifest of a folder about an experiment, with the versions of some packages."""
+    """The manifest of a folder about an experiment.
+
+    It has the versions of some packages.
+    """
     experiment = file.experiment
+    pairs = matrix() if experiment.matrix else []
     return Manifest(
         experiment=Definition(
             name=file.name,
@@ -230,7 +247,7 @@ def new_manifest(
         **experiment.model_dump(include={"seed", "time_limit_s", "memory_limit_gib", "profile"}),
         gap_tolerance=tolerances(experiment.profile).gap,
         cells=0,
-        matrix=matrix() if experiment.matrix else [],
+        matrix=pairs,
         solvers=solvers,
         versions=versions(packages),
         machine=machine(),

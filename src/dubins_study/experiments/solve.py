@@ -1,4 +1,7 @@
-"""One question, or a frame of them, put to a solver: in this process, or in a worker of its own."""
+"""One question or a frame, put to a solver.
+
+The solver is asked in this process, or in a worker of its own.
+"""
 
 from __future__ import annotations
 
@@ -50,14 +53,14 @@ def solve(
             word takes it for the words that it fits.
         limit: seconds that the solver is asked to keep to, once its libraries are loaded. The
             check's own search for the shortest route ends after as many, or 20.
-        isolated: whether the solver is asked in a worker process, which is killed a tenth of a
-            second after the limit, or above 4 GiB; that, a crash and a hang are then outcomes, as
-            in a run. With False it is asked in this process, and this returns when the solver
-            does. With None a worker is used unless the solver promises to keep its limit
-            (`Solver.keeps_limit`): most of this package do, those of tours by engines do not, and
-            a plug-in does not unless it says so. `analytic` is always asked in this process. A
-            worker takes less than 0.1 s to start, the first one 0.3 s, and each loads the solver's
-            libraries anew: 0.3 to 0.6 s, and a second for cvxpy.
+        isolated: whether the solver is asked in a worker process. The process is killed a tenth of
+            a second after the limit, or above 4 GiB; that, a crash and a hang are then outcomes, as
+            in a run. With False the solver is asked in this process, and this returns when the
+            solver does. With None a worker is used unless the solver promises to keep its limit
+            (`Solver.keeps_limit`). Most solvers of this package promise it; those of tours by
+            engines do not, and a plug-in does not unless it says so. `analytic` is always asked in
+            this process. A worker takes less than 0.1 s to start, the first one 0.3 s. Each loads
+            the solver's libraries anew: this takes 0.3 to 0.6 s, and a second for cvxpy.
 
     Raises:
         SolverError, ProfileError, QuestionError: if the request is not a valid one. A solver that
@@ -89,9 +92,9 @@ def solve(
 
         [answer] = ask_isolated(solver, profile, [question], limit)
         return answer
-    asked = described if isinstance(described, Solver) else load(solver, profile)
+    loaded = described if isinstance(described, Solver) else load(solver, profile)
     with _ctrl_c():
-        return attempt(asked, question, limit, allowed, spec=solver)
+        return attempt(loaded, question, limit, allowed, spec=solver)
 
 
 def solve_frame(
@@ -108,16 +111,17 @@ def solve_frame(
 
     Args:
         scenarios: columns `x y heading target_x target_y radius`, and `speed`, `label`, `via_x`,
-            `via_y` and `final_heading` if wanted; one row a scenario, its values as `Scenario`
-            takes them; a final heading that is missing is free. A row's via points are two lists of
-            as many numbers. Columns of answers are left out, all others are carried along.
+            `via_y` and `final_heading` if wanted. There is one row a scenario, with values as
+            `Scenario` takes them; a final heading that is missing is free. A row's via points are
+            two lists of as many numbers. Columns of answers are left out, all others are carried
+            along.
         solver: a spec, e.g. `ipopt` or `turn-rate-qp[n=100]`.
         branch: as for `solve`; each row must be able to have it.
         profile: `default`, `fast` or `accurate`.
         limit: seconds that the solver is asked to keep to, for each scenario.
         certified: whether a solver that answers the whole frame at once has its answers certified
-            too, at some 0.15 ms a row; without, the certificate's numbers are null
-            and its flags False. One that is asked row by row always has.
+            too, at some 0.15 ms a row. Without, the certificate's numbers are null and its flags
+            False. A solver that is asked row by row always has its answers certified.
         isolated: as for `solve`, with one worker for all rows, which is replaced when it is
             killed. With None, a solver that answers the whole frame at once does so in this
             process, without a limit; with True it is asked row by row.
@@ -127,8 +131,8 @@ def solve_frame(
         from `x` to `best_run_s`, whatever the solver, and those carried along. Missing numbers are
         null.
         A solver that answers a whole frame at once answers its rows with a free final heading, and
-        then those with a given one; each row's times are those of its kind divided by their
-        number. Routes are answered row by row.
+        then those with a given one. Each row's times are the times of all rows of its kind, divided
+        by their number. Routes are answered row by row.
 
     Raises:
         ScenarioError, SolverError, ProfileError, QuestionError: if the request is not a valid one.
@@ -154,7 +158,10 @@ def solve_frame(
 
 
 def _described(spec: str, profile: str) -> Solver | SolverDescription:
-    """The solver of a spec; of a plug-in, which is not loaded here to be asked, its description."""
+    """The solver of a spec, or a plug-in's description.
+
+    A plug-in is not loaded here before it is asked.
+    """
     if ours(spec):
         return load(spec, profile)
     from dubins_study.experiments.plan.solver_description import describe_solver
@@ -177,7 +184,10 @@ def _in_worker(
 
 
 def _ctrl_c() -> AbstractContextManager[object]:
-    """Let Ctrl-C end the block; at its end, if a library swallows the exception, as casadi does."""
+    """Let Ctrl-C end the block.
+
+    The block's end raises if a library has swallowed the exception, as casadi does.
+    """
     if signal.getsignal(signal.SIGINT) is not signal.default_int_handler:
         return nullcontext()
     return Interruption((signal.SIGINT,), at_once=True)

@@ -1,7 +1,8 @@
-"""The stages of a run: if the experiment is `rising`, the cells of one size.
+"""The stages of a `rising` run, by size.
 
-The size of a route is its number of legs. A solver that finds the shortest route of none with one
-number of legs is not asked the longer ones of the same label; their rows say so.
+In each stage cells of one size are solved; a run that is not `rising` has one stage. The size of a
+route is its number of legs. A solver that finds the shortest route of none with one number of legs
+is not asked the longer ones of the same label; their rows say so.
 """
 
 from __future__ import annotations
@@ -18,12 +19,15 @@ from dubins_study.study.scenario import COLUMNS
 from dubins_study.study.scenario_frame import scenario_of
 from dubins_study.study.words import Outcome, Verdict
 
-# what does not tell whether a solver finds the shortest routes of a size
+# outcomes that do not show whether a solver finds the shortest routes of a size
 _UNTOLD = (Outcome.UNSUPPORTED, Outcome.UNAVAILABLE)
 
 
 def stages(chains: list[Chain], rising: bool) -> list[list[Chain]]:
-    """The chains of each stage; a warm sweep is where its first cell is."""
+    """The chains of each stage, by rising size.
+
+    A warm sweep is in the stage of its first cell.
+    """
     by_size: dict[int, list[Chain]] = {}
     for chain in chains:
         size = chain[0].scenario.legs if rising else 0
@@ -32,7 +36,11 @@ def stages(chains: list[Chain], rising: bool) -> list[list[Chain]]:
 
 
 def not_asked(folder: FilePath, unit: WorkUnit) -> tuple[WorkUnit, list[Row]]:
-    """The cells of a stage that are worth asking after all earlier ones, and rows of the others."""
+    """Cells of a stage to ask; rows of others.
+
+    A cell is not asked if its solver has solved no question of the next smaller size and the same
+    label.
+    """
     rows = read_rows(folder, [*COLUMNS, "verdict", "outcome"]).to_pylist()
     solved: dict[tuple[str, str], dict[int, bool]] = {}  # by solver and label, then by size
     for row in rows:
@@ -41,15 +49,16 @@ def not_asked(folder: FilePath, unit: WorkUnit) -> tuple[WorkUnit, list[Row]]:
         sizes[legs] = sizes.get(legs, False) or (
             row["verdict"] in (Verdict.OPTIMAL, Verdict.UNDECIDED) or row["outcome"] in _UNTOLD
         )
-    asked, skipped = [], []
+    chains = []
+    skipped = []
     for chain in unit.chains:
         scenario = chain[0].scenario
         sizes = solved.get((chain[0].solver, scenario.label), {})
         smaller = [legs for legs in sizes if legs < scenario.legs]
         if not smaller or sizes[max(smaller)]:
-            asked.append(chain)
+            chains.append(chain)
             continue
         message = "not asked: it found the shortest route of none with fewer legs"
         reply = no_answer(Outcome.NOT_ASKED, message)
         skipped += [row_of(cell, cell.question(), unit.settings, reply) for cell in chain]
-    return unit._replace(chains=asked), skipped
+    return unit._replace(chains=chains), skipped

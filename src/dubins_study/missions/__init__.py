@@ -1,1 +1,4 @@
-"""Mission files in, flights out: points to pass, and where a path is at which time."""
+"""Mission files in, flights out.
+
+A mission has points to pass; a flight tells where a path is at which time.
+"""

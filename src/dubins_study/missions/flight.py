@@ -1,4 +1,7 @@
-"""A flight: when an answer's path is where, with the names of a mission's points."""
+"""A flight: times and places of an answer's path.
+
+Its points have the names of a mission's points.
+"""
 
 from __future__ import annotations
 
@@ -23,11 +26,14 @@ _MOST_WAYPOINTS = 1_000_000
 
 
 class FlightError(DubinsStudyError, ValueError):
-    """A flight that cannot be made or written; says why."""
+    """A flight cannot be made or written; says why."""
 
 
 class Waypoint(NamedTuple):
-    """Where the vehicle is at one time. `name` is empty between the mission's points."""
+    """The vehicle at one time.
+
+    `name` is empty between the mission's points.
+    """
 
     time: float  # s
     length: float  # m along the path, or in the points' unit
@@ -64,11 +70,16 @@ class Flight:
 
     @cached_property
     def stops(self) -> list[Waypoint]:
-        """The mission's points in the order in which they are passed; none if some are missed."""
+        """The mission's points in the order of passing.
+
+        There are none if some are missed.
+        """
         return self._at([length for length, _ in self._passed])
 
     def waypoints(self, step: float) -> list[Waypoint]:
-        """The start, each stop and the end, and between two of them points evenly apart.
+        """Start, stops and end, with points in between.
+
+        The points between two of them are evenly apart.
 
         Args:
             step: the most that two neighbours lie apart along the path (m, or the points' unit).
@@ -94,7 +105,10 @@ class Flight:
 
     @cached_property
     def _passed(self) -> list[tuple[float, int]]:
-        """Each stop's length along the path and its place in the question, from 0."""
+        """Length and place of each stop.
+
+        The length is along the path; the place counts from 0 in the question.
+        """
         scenario = self.answer.scenario
         visits = self.answer.visits or []
         if len(visits) < len(scenario.via) or not self.arrives:
@@ -105,7 +119,10 @@ class Flight:
         return passed
 
     def _at(self, lengths: Sequence[float]) -> list[Waypoint]:
-        """The waypoints at rising lengths along the path, with the stops that are passed there."""
+        """The waypoints at rising lengths along the path.
+
+        They include the stops that are passed there.
+        """
         x, y, heading = self.path.at(lengths).T
         compass = 0.5 * math.pi - heading
         degrees: Sequence[Sequence[float | None]] = [(None, None)] * len(lengths)
@@ -130,9 +147,10 @@ class Flight:
                 compass=math.degrees(compass[i]) % 360.0,
                 curvature=float(curvatures[i]),
                 altitude=altitudes[i],
-                place=None if place is None else place + 1,
-                name="" if place is None else self._shown_name(place + 1),
             )
+            if place is not None:
+                number = place + 1
+                waypoint = waypoint._replace(place=number, name=self._shown_name(number))
             waypoints.append(waypoint)
         return waypoints
 
@@ -148,39 +166,50 @@ class Flight:
         return self.given_name(place) or ("home" if is_home else str(place))
 
     def given_name(self, place: int) -> str:
-        """The name of a stop, by its number in the question from 1; empty without one."""
+        """The name of a stop, or nothing.
+
+        `place` is the stop's number in the question, from 1.
+        """
         points = self.mission.points
         home = self.mission.home
         closing = home.name if home else ""  # a closed path ends at home
         return points[place - 1].name if place <= len(points) else closing
 
     def _altitudes(self, lengths: Sequence[float]) -> list[float | None]:
-        """The altitude at lengths along the path, between the stops that have one."""
+        """The altitudes at lengths along the path.
+
+        They lie between the stops that have one.
+        """
         points = dict(enumerate(self.mission.points))
         if self.mission.home is not None and not self.mission.above_home:
             points |= {-1: self.mission.home, len(points): self.mission.home}
         places = [(length, points.get(place)) for length, place in [(0.0, -1), *self._passed]]
-        known = [
+        marks = [
             (length, point.altitude)
             for length, point in places
             if point and point.altitude is not None
         ]
-        if not known:
+        if not marks:
             return [None] * len(lengths)
-        at, altitudes = zip(*known, strict=True)
-        risen: list[float | None] = np.interp(lengths, at, altitudes).tolist()
-        return risen
+        marked_lengths, altitudes = zip(*marks, strict=True)
+        interpolated: list[float | None] = np.interp(lengths, marked_lengths, altitudes).tolist()
+        return interpolated
 
 
 def flight_of(answer: Answer, mission: Mission) -> Flight | None:
-    """The flight of an answer; None if it has no finite path."""
+    """The flight of an answer, or None.
+
+    It is None if the answer has no finite path.
+    """
     if answer.path is None or answer.length is None:
         return None
     return Flight(answer, answer.path, mission)
 
 
 def bank_radius(speed: float, bank: float) -> float:
-    """The radius of a level turn, v**2 / (g tan bank) (m).
+    """The radius (m) of a level turn.
+
+    It is v**2 / (g tan bank).
 
     Args:
         speed: m/s, above 0.
@@ -198,7 +227,10 @@ def bank_radius(speed: float, bank: float) -> float:
 
 
 def too_tight(radius: float, speed: float, bank: float) -> str | None:
-    """A warning of a radius that the bank does not allow at the speed."""
+    """A warning if the bank allows no such radius.
+
+    The bank and the speed allow radii from a least one on.
+    """
     least = bank_radius(speed, bank)
     if radius >= least:
         return None

@@ -1,10 +1,14 @@
-"""Points of GPX, KML and GeoJSON files. Of several kinds of points in a file, one is taken."""
+"""Points of GPX, KML and GeoJSON files.
+
+Of several kinds of points in a file, one is taken.
+"""
 
 from __future__ import annotations
 
 import re
 from collections import Counter
 from collections.abc import Iterator, Sequence
+from itertools import chain
 from typing import Any
 from xml.etree import ElementTree
 
@@ -13,7 +17,10 @@ from dubins_study.missions.reading import Reading, each, point_of, reading_of
 
 
 def read_xml(text: str, compass: bool) -> Reading:
-    """The points of GPX or KML, told by the first element."""
+    """The points of GPX or KML.
+
+    The first element tells which format it is.
+    """
     if re.search(r"<!(DOCTYPE|ENTITY)", text):
         raise MissionError("it declares a document type or entities, which are not read")
     root = ElementTree.fromstring(text)
@@ -30,7 +37,10 @@ def _tag(element: Any) -> str:
 
 
 def _read_gpx(root: Any) -> Reading:
-    """The points of routes, else waypoints, else the points of tracks."""
+    """The points of routes, of waypoints or of tracks.
+
+    The first of these that the file has are taken.
+    """
     kinds = ("rtept", "wpt", "trkpt")
     features = []
     for kind in kinds:
@@ -43,7 +53,10 @@ def _read_gpx(root: Any) -> Reading:
 
 
 def _read_kml(root: Any) -> Reading:
-    """The points of placemarks, else those on their lines and tracks."""
+    """The points of placemarks.
+
+    If there are none, those on the placemarks' lines and tracks are taken.
+    """
     features = []
     for placemark in root.iterfind(".//{*}Placemark"):
         properties = {"name": placemark.findtext("{*}name")}
@@ -78,23 +91,26 @@ def _read_features(
     compass: bool = False,
     kinds: Sequence[str] = ("Point", "LineString"),
 ) -> Reading:
-    """The points of GeoJSON's features of the first of the kinds of geometry that there is."""
+    """The points of GeoJSON's features.
+
+    They are those of the first of the kinds of geometry that there is.
+    """
     passed = Counter(map(_kind, features))
-    taken = next((kind for kind in kinds if kind in passed), kinds[0])
+    kind = next((name for name in kinds if name in passed), kinds[0])
 
     def read(feature: Any) -> Iterator[MissionPoint]:
-        properties = {} if taken == "LineString" else feature.get("properties") or {}
+        properties = {} if kind == "LineString" else feature.get("properties") or {}
         for position in _positions(_geometry(feature)["coordinates"]):
             x, y, altitude = [*position, properties.get("altitude")][:3]
             yield point_of({**properties, "x": x, "y": y, "altitude": altitude}, compass)
 
-    points = each(taken, [feature for feature in features if _kind(feature) == taken], read)
-    del passed[taken]
+    points = each(kind, [feature for feature in features if _kind(feature) == kind], read)
+    del passed[kind]
     return reading_of(source, points, passed)
 
 
 def _geometry(feature: Any) -> Any:
-    """The geometry of a feature, or one that stands alone."""
+    """The geometry of a feature, or a single one."""
     return feature.get("geometry", feature) or {"type": "without geometry"}
 
 
@@ -105,5 +121,5 @@ def _kind(feature: Any) -> str:
 def _positions(coordinates: Any) -> list[Any]:
     """The positions in lists of any depth."""
     if isinstance(coordinates[0], list):
-        return [position for part in coordinates for position in _positions(part)]
+        return list(chain.from_iterable(map(_positions, coordinates)))
     return [coordinates]

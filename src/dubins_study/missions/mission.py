@@ -1,4 +1,7 @@
-"""A mission: points to pass, with their names, as a file or a caller gives them."""
+"""A mission: points to pass, with their names.
+
+A file or a caller gives them.
+"""
 
 from __future__ import annotations
 
@@ -11,11 +14,17 @@ from dubins_study.study.tangent_plane import TangentPlane
 
 
 class MissionError(DubinsStudyError):
-    """A mission or its file that cannot be used; names the file, the line or item, and the rule."""
+    """A mission or its file is not usable.
+
+    The message names the file, the line or item, and the rule.
+    """
 
 
 class MissionPoint(NamedTuple):
-    """A point of a mission; what a file does not say is None, or an empty name."""
+    """A point of a mission.
+
+    If a file does not tell a value, it is None, or an empty name.
+    """
 
     x: float  # m to the east where the mission lies on Earth, else any unit of length
     y: float  # to the north
@@ -49,11 +58,17 @@ class Mission:
 
     @property
     def above_home(self) -> bool:
-        """Whether altitudes of points are above home, as in plans; else they are above the sea."""
+        """Whether altitudes are above home, as in plans.
+
+        Otherwise they are above the sea.
+        """
         return self.source in ("QGroundControl plan", "QGC WPL 110")
 
     def started(self) -> Mission:
-        """The mission with a home: its first point where it has none."""
+        """The mission with a home.
+
+        If it has none, its first point becomes the home.
+        """
         if self.home is not None:
             return self
         if not self.points:
@@ -79,7 +94,8 @@ class Mission:
             raise MissionError("the mission has one point; expected one to start at, and others")
         via = mission.points
         if to_last:
-            via, last = mission.points[:-1], mission.points[-1]
+            via = mission.points[:-1]
+            last = mission.points[-1]
             fields = {"final_heading": last.heading} | fields
             fields |= {"target_x": last.x, "target_y": last.y}
         return Scenario(

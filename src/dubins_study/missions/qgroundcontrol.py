@@ -1,4 +1,7 @@
-"""Points of mission files of ground stations: plans in JSON, and lines of QGC WPL 110."""
+"""Points of mission files of ground stations.
+
+They are plans in JSON, and lines of QGC WPL 110.
+"""
 
 from __future__ import annotations
 
@@ -37,11 +40,15 @@ _NAMES = _PLACES | {
 }
 _AT_HOME = (21, 22, 84, 85)  # takeoffs and landings, often at the home position
 _ON_EARTH = (0, 3, 5, 6, 10, 11)  # frames of coordinates in degrees
-_ABOVE_SEA, _ABOVE_HOME = (0, 5), (3, 6)  # those whose altitudes are above the sea, and home
+_ABOVE_SEA = (0, 5)  # frames whose altitudes are above the sea
+_ABOVE_HOME = (3, 6)  # frames whose altitudes are above home
 
 
 def read_plan(content: Any, source: str = "QGroundControl plan") -> Reading:
-    """The places of a plan's items, those of surveys too, and the planned home position."""
+    """The places of a plan's items, and its home.
+
+    Places of surveys are included; home is the planned home position.
+    """
     passed: Counter[str] = Counter()
     mission = content["mission"]
     position = mission.get("plannedHomePosition") or (0, 0)
@@ -50,11 +57,14 @@ def read_plan(content: Any, source: str = "QGroundControl plan") -> Reading:
     for shape in ("polygons", "circles"):
         passed[f"fence {shape}"] = len(content.get("geoFence", {}).get(shape, ()))
     speed = mission.get("cruiseSpeed")
-    return reading_of(source, points, passed, home=home[0] if home else None, speed=speed)
+    return reading_of(source, points, passed, home=next(iter(home), None), speed=speed)
 
 
 def read_wpl(text: str, compass: bool) -> Reading:
-    """The places of the lines, the first of which is the home position."""
+    """The places of the lines.
+
+    The first line is the home position.
+    """
     _, home, *rows = [line.split() for line in text.splitlines() if line.strip()]
     items = [{"frame": row[2], "command": row[3], "params": row[4:11]} for row in rows]
     plan = {"items": items, "plannedHomePosition": home[8:11]}
@@ -62,9 +72,10 @@ def read_wpl(text: str, compass: bool) -> Reading:
 
 
 def _places(item: Any, passed: Counter[str], home: list[MissionPoint]) -> list[MissionPoint]:
-    """The place of an item of a plan, or those of a survey; what has none is counted.
+    """The places of an item of a plan.
 
-    A takeoff or a landing at the home position is no point to pass.
+    A survey has several places. An item without a place is counted. A takeoff or a landing at the
+    home position is no point to pass.
     """
     transects = item.get("TransectStyleComplexItem") or {}
     if corners := transects.get("VisualTransectPoints"):

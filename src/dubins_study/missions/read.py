@@ -1,4 +1,7 @@
-"""Mission files of any format: told by content, read, and taken to a plane."""
+"""Mission files of any format, read to a plane.
+
+The content tells the format.
+"""
 
 from __future__ import annotations
 
@@ -35,7 +38,9 @@ def read_mission(
     closed: bool = False,
     plane: TangentPlane | None = None,
 ) -> Mission:
-    """The mission of a file, its format told by what is in it.
+    """The mission of a file.
+
+    The content of the file tells its format.
 
     Formats are tables (comma, semicolon or tab), GPX, KML, GeoJSON, plans of QGroundControl,
     QGC WPL 110 and TSPLIB, in UTF-8, or in UTF-16 with a byte order mark. Longitudes and latitudes
@@ -58,8 +63,8 @@ def read_mission(
         doubtful; warnings are logged too.
 
     Raises:
-        MissionError: if the file cannot be read or has no points, a number or heading is none, a
-            place is none on Earth, or points repeat; names the file and the line or item.
+        MissionError: if the file cannot be read or has no points, if a number, a heading or a place
+            on Earth is not valid, or if points repeat. It names the file and the line or item.
     """
     with at(str(file)):
         reading = _reading(text_of(file), columns, compass)
@@ -70,7 +75,10 @@ def read_mission(
 
 
 def _read_json(text: str, compass: bool) -> Reading:
-    """The points of a plan or of GeoJSON, told by the members of the object."""
+    """The points of a plan or of GeoJSON.
+
+    The members of the object tell which of them it is.
+    """
     content = json.loads(text)
     if "mission" in content:
         return read_plan(content)
@@ -79,7 +87,7 @@ def _read_json(text: str, compass: bool) -> Reading:
     raise MissionError("it is neither a plan, with a member mission, nor GeoJSON, with a type")
 
 
-# what a text of each format has, and its reader; a table has none of these
+# pattern in the text of each format, and its reader; a table has none of the patterns
 _FORMATS = (
     (r"\AQGC WPL\b", read_wpl),
     (r"\A\s*<", read_xml),
@@ -102,7 +110,10 @@ def _reading(text: str, columns: Sequence[str] | None, compass: bool) -> Reading
 def _mission(
     reading: Reading, compass: bool, drop_repeats: bool, closed: bool, plane: TangentPlane | None
 ) -> Mission:
-    """The points on a plane, without repeats, and what is to be said of them."""
+    """The mission of a reading.
+
+    Its points lie on a plane and do not repeat; notes and warnings are added.
+    """
     points = list(reading.points)
     if reading.home is not None:
         points.insert(0, reading.home._replace(where="the home position"))
@@ -112,26 +123,29 @@ def _mission(
         points, plane = _on_plane(points, plane)
     if closed and len(points) > 2 and _same(points[0], points[-1]):
         points.pop()
-    kept, repeats = _without_repeats(points)
+    points, repeats = _without_repeats(points)
     if repeats and not drop_repeats:
         expected = "--drop-repeats (in Python drop_repeats=True) takes each point once"
         raise MissionError(f"{repeats}; {expected}")
-    extent, distortion = _extent(kept, plane)
+    extent, distortion = _extent(points, plane)
     notes = [extent, reading.passed, repeats and f"dropped: {repeats}"]
     if reading.home is not None:
         notes.append("the home position is where the flight starts, but for --from")
-    if headings := sum(point.heading is not None for point in kept):
+    if headings := sum(point.heading is not None for point in points):
         how = "degrees clockwise from north" if compass else "radians counterclockwise from east"
         notes.append(f"{headings} headings, numbers in {how}")
-    doubt = f"{extent}; are longitude and latitude right?"
+    warnings = []
+    if distortion > _MOST_DISTORTION:
+        warnings.append(f"{extent}; are longitude and latitude right?")
+    home = None if reading.home is None else points.pop(0)
     return Mission(
-        points=tuple(kept[reading.home is not None :]),
-        home=None if reading.home is None else kept[0],
+        points=tuple(points),
+        home=home,
         plane=plane,
         source=reading.source,
         speed=_speed(reading),
         notes=tuple(map(plain, filter(None, notes))),
-        warnings=(doubt,) if distortion > _MOST_DISTORTION else (),
+        warnings=tuple(warnings),
     )
 
 
@@ -145,7 +159,10 @@ def _speed(reading: Reading) -> float | None:
 
 
 def _on_plane(points: Points, plane: TangentPlane | None) -> tuple[Points, TangentPlane]:
-    """The points in metres, their headings counterclockwise from the plane's +x."""
+    """The points in metres.
+
+    Their headings are counterclockwise from the plane's +x.
+    """
     for point in points:
         with at(point.where):
             check_place(point.x, point.y)
@@ -160,17 +177,18 @@ def _on_plane(points: Points, plane: TangentPlane | None) -> tuple[Points, Tange
 
 
 def _without_repeats(points: Points) -> tuple[Points, str]:
-    """The points without those that repeat, and a sentence about these."""
-    kept = points[:1]
+    """The points without repeats, and a sentence about these."""
+    distinct = points[:1]
     repeats: Points = []
     for point in points[1:]:
-        (repeats if _same(point, kept[-1]) else kept).append(point)
+        same = _same(point, distinct[-1])
+        (repeats if same else distinct).append(point)
     notes = []
     if repeats:
         notes.append(f"{repeats[0].where} equals the point before it; such points: {len(repeats)}")
-    if len(kept) > 2 and _same(kept[0], kept[-1]):
-        notes.append(f"{kept.pop().where} equals the first point; --closed flies back to it")
-    return kept, "; ".join(notes)
+    if len(distinct) > 2 and _same(distinct[0], distinct[-1]):
+        notes.append(f"{distinct.pop().where} equals the first point; --closed flies back to it")
+    return distinct, "; ".join(notes)
 
 
 def _same(one: MissionPoint, other: MissionPoint) -> bool:
@@ -178,7 +196,10 @@ def _same(one: MissionPoint, other: MissionPoint) -> bool:
 
 
 def _extent(points: Points, plane: TangentPlane | None) -> tuple[str, float]:
-    """How many points there are, how far they reach, and where; the error of lengths."""
+    """A sentence about the points, and lengths' error.
+
+    It tells how many points there are, how far they reach, and where.
+    """
     xy = np.array([point[:2] for point in points])
     width, height = np.ptp(xy, axis=0)
     extent = f"{len(points)} points, {width:.4g} by {height:.4g}"

@@ -1,4 +1,7 @@
-"""The text of a mission file, what every format is read into, and the values that they share."""
+"""The text of a mission file, and its reading.
+
+The reading and the values are shared by all formats.
+"""
 
 from __future__ import annotations
 
@@ -25,7 +28,7 @@ Points = list[MissionPoint]
 
 
 class Reading(NamedTuple):
-    """What a file says, before degrees become metres.
+    """The points of a file, before conversion to metres.
 
     In a file of degrees x is the longitude, y the latitude, and headings count from the true east.
     """
@@ -40,7 +43,10 @@ class Reading(NamedTuple):
 
 @contextmanager
 def at(where: str) -> Iterator[None]:
-    """Refuse what is refused inside with its place, such as `feature 3`, or a file's name."""
+    """Name the place in a refusal from the block.
+
+    The place is such as `feature 3`, or a file's name.
+    """
     try:
         yield
     except DubinsStudyError as error:
@@ -51,7 +57,10 @@ def at(where: str) -> Iterator[None]:
 
 
 def text_of(file: str | FilePath) -> str:
-    """The text of a file in UTF-8, or in UTF-16 with a byte order mark."""
+    """The text of a file.
+
+    It is in UTF-8, or in UTF-16 with a byte order mark.
+    """
     try:
         content = FilePath(file).read_bytes()
     except OSError as error:
@@ -67,15 +76,21 @@ def text_of(file: str | FilePath) -> str:
 
 
 def reading_of(source: str, points: Points, passed: Mapping[str, int], **fields: Any) -> Reading:
-    """What a file says, with what is passed over; refused if there are no points."""
-    named = ", ".join(f"{count} {name}" for name, count in passed.items() if count)
+    """A reading with a note of skipped items.
+
+    It is refused if there are no points.
+    """
+    others = ", ".join(f"{count} {name}" for name, count in passed.items() if count)
     if not points:
-        raise MissionError(f"there are no points; it has {named or 'nothing'}")
-    return Reading(source, points, named and f"passed over: {named}", **fields)
+        raise MissionError(f"there are no points; it has {others or 'nothing'}")
+    return Reading(source, points, others and f"passed over: {others}", **fields)
 
 
 def each(kind: str, items: Iterable[Any], read: Callable[[Any], Iterable[MissionPoint]]) -> Points:
-    """The points of all items; a refusal names the item, such as `feature 3`."""
+    """The points of all items.
+
+    A refusal names the item, such as `feature 3`.
+    """
     points = []
     for count, item in enumerate(items, 1):
         where = f"{kind} {count}"
@@ -85,25 +100,32 @@ def each(kind: str, items: Iterable[Any], read: Callable[[Any], Iterable[Mission
 
 
 def point_of(fields: Mapping[str, Any], compass: bool = False) -> MissionPoint:
-    """The point of numbers, or texts of numbers, by the fields' names; empty is not given."""
-    x, y = number_of(fields["x"]), number_of(fields["y"])
+    """The point of numbers, by the fields' names.
+
+    They may be texts of numbers. An empty field is not given.
+    """
+    x = number_of(fields["x"])
+    y = number_of(fields["y"])
     if math.isnan(x + y):
-        written = f"{fields['x']},{fields['y']}"
-        raise MissionError(f"x,y is {written!r:.60}; expected two numbers")
-    given = {name: value for name, value in fields.items() if value not in (None, "")}
-    values: dict[str, Any] = {"name": plain(str(given.get("name", "")).strip())}
-    for name in given.keys() & {"altitude", "speed"}:
-        values[name] = number_of(given[name])
+        text = f"{fields['x']},{fields['y']}"
+        raise MissionError(f"x,y is {text!r:.60}; expected two numbers")
+    present = {name: value for name, value in fields.items() if value not in (None, "")}
+    values: dict[str, Any] = {"name": plain(str(present.get("name", "")).strip())}
+    for name in present.keys() & {"altitude", "speed"}:
+        values[name] = number_of(present[name])
         if math.isnan(values[name]):
-            raise MissionError(f"{name} is {short(given[name])}; expected a number")
-    if given.get("heading", FREE) != FREE:
+            raise MissionError(f"{name} is {short(present[name])}; expected a number")
+    if present.get("heading", FREE) != FREE:
         with at("heading"):
-            values["heading"] = heading_of(str(given["heading"]), compass)
+            values["heading"] = heading_of(str(present["heading"]), compass)
     return MissionPoint(x, y, **values)
 
 
 def number_of(value: Any) -> float:
-    """The number that a value or a text is; NaN if it is none, or not finite."""
+    """The number that a value or a text is.
+
+    NaN if it is none, or not finite.
+    """
     try:
         number = number_of_text(value) if isinstance(value, str) else real_number(value)
     except (TypeError, ValueError, OverflowError):

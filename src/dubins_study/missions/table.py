@@ -1,4 +1,7 @@
-"""Points of a text with columns: their names by dialect, and what stands between cells."""
+"""Points of a text with columns.
+
+Columns have names in several dialects, and several signs separate cells.
+"""
 
 from __future__ import annotations
 
@@ -16,7 +19,7 @@ from dubins_study.study.delimited import Row, Rows, read_rows
 from dubins_study.study.values import plain
 
 _LOG = logging.getLogger(__name__)
-# names of columns for each field of a point, without what is no letter
+# names of columns for each field of a point, letters only
 _NAMES = {
     "x": "x xm east eastm easting eastingm rechtswert",
     "y": "y ym north northm northing northingm hochwert",
@@ -33,9 +36,10 @@ _OF_A_ROUTE = ("x", "y", "name", "heading")
 
 
 def read_points(file: str | FilePath) -> Points:
-    """The points of a route from a file with columns x and y, maybe name and heading.
+    """The points of a route from a table.
 
-    All other columns are named in a warning.
+    It is a file with columns x and y, maybe name and heading. All other columns are named in a
+    warning.
     """
     with at(str(file)):
         reading = read_table(text_of(file), used=_OF_A_ROUTE)
@@ -53,22 +57,25 @@ def read_table(
     compass: bool = False,
     used: Collection[str] = tuple(_NAMES),
 ) -> Reading:
-    """The points of a text with columns; those of fields that are not used are passed over."""
+    """The points of a text with columns.
+
+    Columns of fields that are not used are passed over.
+    """
     (rows, problems), comment = _split(text)
     place, first = rows[0] if rows else Row("line 1", [])
     has_header = not any(map(_is_number, first))
     names: Sequence[str] = first if has_header or not comment else comment
-    named = place
+    source = place
     if columns is not None:
         names = columns
-        named = "--columns"
+        source = "--columns"
     fields = [_field(name, used) for name in names]
     in_degrees = "longitude" in fields or "latitude" in fields
     x, y = ("longitude", "latitude") if in_degrees else ("x", "y")
     if fields.count(x) != 1 or fields.count(y) != 1:
         expected = "expected the column names x and y, once each, or lon and lat"
         others = "or name them by --columns, such as --columns lon,lat or --columns -,x,y"
-        raise MissionError(f"{named} is {','.join(names)!r:.60}; {expected}; {others}")
+        raise MissionError(f"{source} is {','.join(names)!r:.60}; {expected}; {others}")
     _check_fields(fields)
     if len(names) != len(first):
         raise MissionError(f"{place} has {len(first)} cells; expected {len(names)}, as named")
@@ -82,15 +89,19 @@ def read_table(
             points.append(point._replace(where=place))
     if not points:
         raise MissionError("no points; expected a line each")
-    kept = {x, y, "-", *used}
-    passed = [name for name, field in zip(names, fields, strict=True) if field not in kept]
-    named = ", ".join(name.strip() or "one without a name" for name in passed)
-    note = named and f"columns that are passed over: {named}"
+    expected_fields = {x, y, "-", *used}
+    pairs = zip(names, fields, strict=True)
+    passed = [name.strip() for name, field in pairs if field not in expected_fields]
+    passed_text = ", ".join(name or "one without a name" for name in passed)
+    note = passed_text and f"columns that are passed over: {passed_text}"
     return Reading("table", points, note, degrees=in_degrees)
 
 
 def _split(text: str) -> tuple[Rows, list[str]]:
-    """The rows, with decimal points, and the cells of the last line behind `#` above them."""
+    """The rows, and the cells of the comment.
+
+    The rows have decimal points. The comment is the last line behind `#` above them.
+    """
     lines = list(StringIO(text, newline=""))
     comments = list(takewhile(lambda line: line.startswith("#"), lines))
     lines[: len(comments)] = ["\n"] * len(comments)
@@ -104,13 +115,19 @@ def _split(text: str) -> tuple[Rows, list[str]]:
 
 
 def _field(name: str, used: Collection[str]) -> str:
-    """The field of a column's name; the name where the field is not used."""
+    """The field of a column's name.
+
+    If the field is not used, it is the name.
+    """
     field = _FIELDS.get(re.sub(r"[\W_]", "", name.lower()), "")
     return field if field in used or field in _DEGREES else name.lower()
 
 
 def _check_fields(fields: Sequence[str]) -> None:
-    """Refuse a field of a point that is there twice, or a heading with more in its name."""
+    """Refuse fields that are there twice.
+
+    A heading with more in its name is refused too.
+    """
     for field in fields:
         twice = field in _NAMES and fields.count(field) > 1
         if twice or ("heading" in field and field != "heading"):
@@ -123,7 +140,10 @@ def _is_number(text: str) -> bool:
 
 
 def read_tsplib(text: str, compass: bool) -> Reading:
-    """The nodes of a TSPLIB file (Reinelt 1991, ORSA Journal on Computing 3, 376-384)."""
+    """The nodes of a TSPLIB file.
+
+    Reinelt 1991, ORSA Journal on Computing 3, 376-384.
+    """
     head, _, tail = text.partition("NODE_COORD_SECTION")
     kind = re.search(r"EDGE_WEIGHT_TYPE\s*:\s*(EUC_2D|CEIL_2D|ATT)", head)
     if kind is None:

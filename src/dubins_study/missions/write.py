@@ -23,12 +23,16 @@ _PROPERTIES = (
 
 
 def _geojson(flight: Flight, waypoints: Sequence[Waypoint]) -> str:
-    """The path with its arcs as chords, then the points in the question's order."""
-    answer, plane = flight.answer, flight.mission.plane
+    """The path, then the points, as GeoJSON.
+
+    Arcs of the path are chords; the points have the question's order.
+    """
+    answer = flight.answer
+    plane = flight.mission.plane
     scenario = answer.scenario
-    properties = {name: getattr(answer, name) for name in _PROPERTIES}
+    of_path = {name: getattr(answer, name) for name in _PROPERTIES}
     origin = None if plane is None else (plane.latitude, plane.longitude)
-    path = flight.path.to_geojson(origin=origin, kind="path", radius=scenario.radius, **properties)
+    path = flight.path.to_geojson(origin=origin, kind="path", radius=scenario.radius, **of_path)
     visits = {stop.place: (visit, stop) for visit, stop in enumerate(flight.stops, 1)}
     places = scenario.points[1:]
     if plane is not None:
@@ -37,7 +41,7 @@ def _geojson(flight: Flight, waypoints: Sequence[Waypoint]) -> str:
     for place, coordinates in enumerate(places.tolist(), 1):
         is_via = place <= len(scenario.via)
         visit, stop = visits.get(place, (None, None))
-        shown = {
+        properties = {
             "kind": "via" if is_via else "target",
             "index": place,
             "name": flight.given_name(place) or None,
@@ -45,9 +49,9 @@ def _geojson(flight: Flight, waypoints: Sequence[Waypoint]) -> str:
             "time": stop.time if stop else None,
         }
         if answer.order is not None:
-            shown["visit"] = visit if is_via else None
+            properties["visit"] = visit if is_via else None
         geometry = {"type": "Point", "coordinates": coordinates}
-        features.append({"type": "Feature", "geometry": geometry, "properties": shown})
+        features.append({"type": "Feature", "geometry": geometry, "properties": properties})
     collection = {"type": "FeatureCollection", "features": features}
     return json.dumps(collection, allow_nan=False) + "\n"
 
@@ -60,7 +64,10 @@ def _csv(flight: Flight, waypoints: Sequence[Waypoint]) -> str:
 
 
 def _above_sea(flight: Flight, point: Waypoint) -> float | None:
-    """The altitude of a waypoint above the sea; None if it is above a home whose own is unknown."""
+    """The altitude of a waypoint above the sea.
+
+    It is None if the altitude is above a home whose own is unknown.
+    """
     if point.altitude is None or not flight.mission.above_home:
         return point.altitude
     home = flight.mission.home
@@ -70,7 +77,7 @@ def _above_sea(flight: Flight, point: Waypoint) -> float | None:
 
 
 def _gpx(flight: Flight, waypoints: Sequence[Waypoint]) -> str:
-    """A waypoint for each stop, and the path as a track."""
+    """The stops as waypoints, the path as track."""
 
     def place(parent: ElementTree.Element, name: str, point: Waypoint) -> ElementTree.Element:
         element = _under(parent, name, lat=f"{point.lat:.9f}", lon=f"{point.lon:.9f}")
@@ -93,7 +100,7 @@ def _gpx(flight: Flight, waypoints: Sequence[Waypoint]) -> str:
 
 
 def _kml(flight: Flight, waypoints: Sequence[Waypoint]) -> str:
-    """A placemark for each stop, and one for the path."""
+    """A placemark for each stop and the path."""
     root = ElementTree.Element("kml", xmlns=_KML)
     document = _under(root, "Document")
     _under(document, "name", flight.title)
@@ -137,16 +144,22 @@ _ABOVE_HOME = 3  # the frame of MAVLink whose altitudes are above home
 
 
 def _home_altitude(flight: Flight) -> float:
-    """The altitude of home above the sea; 0 where nobody says it."""
+    """The altitude of home above the sea.
+
+    It is 0 if it is not known.
+    """
     home = flight.mission.home
     return (home.altitude if home else None) or 0.0
 
 
 def _plan(flight: Flight, waypoints: Sequence[Waypoint]) -> str:
-    """A mission of waypoints in the documented shape of QGroundControl's plan files."""
+    """Waypoints as a plan file of QGroundControl.
+
+    The shape of the file is documented there.
+    """
     items = []
-    home, *flown = waypoints
-    for number, point in enumerate(flown, 1):
+    home, *rest = waypoints
+    for number, point in enumerate(rest, 1):
         item = {
             "type": "SimpleItem",
             "doJumpId": number,
@@ -159,11 +172,12 @@ def _plan(flight: Flight, waypoints: Sequence[Waypoint]) -> str:
             item["stop"] = point.name  # a key that QGroundControl passes over
         items.append(item)
     speed = flight.answer.scenario.speed
+    cruise = {} if speed == 1 else {"cruiseSpeed": speed}  # 1 if no speed was given
     mission = {
         "version": 2,
         "firmwareType": 0,
         "vehicleType": 1,  # fixed wing
-        **({} if speed == 1 else {"cruiseSpeed": speed}),  # 1 is that of no speed given
+        **cruise,
         "plannedHomePosition": [home.lat, home.lon, _home_altitude(flight)],
         "items": items,
     }
@@ -180,17 +194,17 @@ def _plan(flight: Flight, waypoints: Sequence[Waypoint]) -> str:
 
 def _wpl(flight: Flight, waypoints: Sequence[Waypoint]) -> str:
     """Lines of QGC WPL 110: home, then the waypoints."""
-    home, *flown = waypoints
+    home, *rest = waypoints
     place = f"{home.lat:.9f}\t{home.lon:.9f}\t{_home_altitude(flight)!r}"
     lines = ["QGC WPL 110", f"0\t1\t0\t{_WAYPOINT}\t0\t0\t0\t0\t{place}\t1"]
-    for number, point in enumerate(flown, 1):
+    for number, point in enumerate(rest, 1):
         place = f"{point.lat:.9f}\t{point.lon:.9f}\t{point.altitude!r}"
         lines.append(f"{number}\t0\t{_ABOVE_HOME}\t{_WAYPOINT}\t0\t0\t0\t0\t{place}\t1")
     return "\n".join(lines) + "\n"
 
 
 class Format(NamedTuple):
-    """How a flight is written, and what the format cannot say."""
+    """A format of flights, and its limits."""
 
     text: Callable[[Flight, Sequence[Waypoint]], str]
     on_earth: bool  # whether it needs longitude and latitude
@@ -219,20 +233,22 @@ def format_of(file: FilePath, mission: Mission) -> Format:
     Raises:
         FlightError: if there is none, or it needs longitudes and latitudes that the mission lacks.
     """
-    found = _FORMATS.get(file.suffix.lower())
-    if found is None:
+    file_format = _FORMATS.get(file.suffix.lower())
+    if file_format is None:
         raise FlightError(f"{file}: unknown ending; expected one of {' '.join(_FORMATS)}")
-    if found.on_earth and mission.plane is None:
+    if file_format.on_earth and mission.plane is None:
         others = " ".join(ending for ending, each in _FORMATS.items() if not each.on_earth)
         message = "needs longitude and latitude, and the points have x and y"
         raise FlightError(f"{file}: {file.suffix} {message}; expected one of {others}")
-    return found
+    return file_format
 
 
 def write_flight(
     flight: Flight, file: FilePath, step: float | None = None, altitude: float = 50.0
 ) -> str:
-    """Write a flight in the format of the file's ending; return what the format cannot say.
+    """Write a flight in a file's format.
+
+    The file's ending names the format. A sentence about what it cannot say is returned.
 
     Args:
         step: from waypoint to waypoint along the path (m, or the points' unit); without one a
@@ -247,12 +263,9 @@ def write_flight(
     size = 0.25 * flight.answer.scenario.radius if step is None else step
     waypoints = [] if chosen.text is _geojson else flight.waypoints(size)
     if chosen.needs_altitude:
-        waypoints = [
-            point
-            if flight.mission.above_home and point.altitude is not None
-            else point._replace(altitude=altitude)
-            for point in waypoints
-        ]
+        for number, point in enumerate(waypoints):
+            if not flight.mission.above_home or point.altitude is None:
+                waypoints[number] = point._replace(altitude=altitude)
     content = chosen.text(flight, waypoints).encode()
     file.write_bytes(content)  # nothing is written if the text cannot be made
     if chosen.text is _geojson and flight.mission.plane is None:

@@ -1,1 +1,4 @@
-"""What `dubins-study solve` asks and says: words to a question, an answer to text."""
+"""The command `dubins-study solve`, in parts.
+
+Words become a question, an answer becomes text.
+"""

@@ -1,4 +1,4 @@
-"""An answer as text for the terminal, or as one JSON object."""
+"""An answer as terminal text or JSON object."""
 
 from __future__ import annotations
 
@@ -36,7 +36,10 @@ def answer_json(
     in_given_order: Answer | None = None,
     flight: Flight | None = None,
 ) -> str:
-    """One object: the answer, its segments, its stops, and the question."""
+    """One object with the answer and the question.
+
+    It has the answer's segments and stops too.
+    """
     pieces = zip(answer.curvatures or (), answer.lengths or (), strict=True)
     fields: dict[str, Any] = {name: getattr(answer, name) for name in _JSON}
     fields["via"] = [list(point) for point in answer.scenario.via]
@@ -59,7 +62,9 @@ def answer_json(
 
 
 def _letter(curvature: float) -> str:
-    return "L" if curvature > 0 else "R" if curvature < 0 else "S"
+    if curvature > 0:
+        return "L"
+    return "R" if curvature < 0 else "S"
 
 
 def answer_text(
@@ -68,7 +73,9 @@ def answer_text(
     in_given_order: Answer | None = None,
     flight: Flight | None = None,
 ) -> str:
-    """The answer as a few lines for the terminal, and a table of its stops where it has several.
+    """The answer as a few lines for the terminal.
+
+    Where it has several stops, a table of them follows.
 
     Args:
         names: of the via points, some of which may be empty.
@@ -115,7 +122,7 @@ def answer_text(
 
 
 def _stops(flight: Flight) -> str:
-    """The first of the stops, in the order in which they are passed."""
+    """The first stops, in the order of passing."""
     stops = flight.stops
     head = ("visit", "stop", "time", "length", "heading, deg", "compass, deg")
     rows = [
@@ -133,24 +140,34 @@ def _stops(flight: Flight) -> str:
 
 
 def _more(begin: str, count: int) -> str:
-    """How many are left out, and where they are; empty where none is."""
+    """Words about items that are left out.
+
+    It tells their number and where they are; it is empty if there are none.
+    """
     return f"{begin} {count} more: --json lists them" if count > 0 else ""
 
 
 def _order(answer: Answer, names: Sequence[str]) -> str:
-    """The via points of a tour in the order in which the path passes them: names, or numbers."""
+    """A tour's via points, in the path's order.
+
+    They are names or numbers.
+    """
     order = answer.order or []
     texts = [plain(names[place]) if place < len(names) else "" for place in order]
-    shown = []
+    labels = []
     for text, place in zip(texts, order, strict=True):
-        number = str(place + 1)
-        alone = text if texts.count(text) == 1 else f"{text} ({number})"
-        shown.append(alone if text else number)
-    return ", ".join(shown[:_MOST_POINTS]) + _more(", and", len(shown) - _MOST_POINTS)
+        label = str(place + 1)
+        if text:
+            label = text if texts.count(text) == 1 else f"{text} ({label})"
+        labels.append(label)
+    return ", ".join(labels[:_MOST_POINTS]) + _more(", and", len(labels) - _MOST_POINTS)
 
 
 def _given_order(answer: Answer, route: Answer | None) -> str:
-    """What a tour's points would have cost in the order in which they are given."""
+    """Length of a tour's points in given order.
+
+    The text compares it with the answer's length.
+    """
     if route is None or route.length is None or not answer.length:
         return ""
     if abs(route.length - answer.length) <= _SAME * answer.length:
@@ -162,7 +179,10 @@ def _given_order(answer: Answer, route: Answer | None) -> str:
 
 
 def _word(answer: Answer) -> str:
-    """The word of the path, and the words that are as short."""
+    """The word of the path, with tied words.
+
+    Tied words are as short.
+    """
     none = "none" if answer.gap is None else "none: the target is the start"
     ties = [word for word in answer.tied_words if word != answer.reference_word]
     tied = f"  (tied with {', '.join(ties)})" if ties else ""
@@ -170,7 +190,10 @@ def _word(answer: Answer) -> str:
 
 
 def _proof(answer: Answer) -> str:
-    """What is proved of the answer, and what there was no time to check."""
+    """The proof of the answer.
+
+    It tells what there was no time to check.
+    """
     from dubins_study.study.kinds.table import kind_of
 
     unchecked = answer.gap is not None and answer.pmp_residual is None
@@ -180,10 +203,14 @@ def _proof(answer: Answer) -> str:
 
 
 def _optimum(answer: Answer) -> str:
-    """The proven interval around the shortest length of a route, or of a leg to a pose."""
+    """The proven interval around the shortest length.
+
+    It is told of a route, or of a leg to a pose.
+    """
     from dubins_study.study.kinds.table import kind_of
 
-    low, high = answer.reference_low, answer.reference_high
+    low = answer.reference_low
+    high = answer.reference_high
     by_interval = kind_of(answer.scenario, answer.branch).by_interval
     if low is None or high is None or not by_interval:
         return ""
@@ -193,17 +220,20 @@ def _optimum(answer: Answer) -> str:
 
 
 def _shorter(answer: Answer) -> str:
-    """The length of the check's path where it is shorter than the answer."""
+    """The length of the check's path, if shorter."""
     from dubins_study.asking.attempt import shorter_answer
 
-    found = shorter_answer(answer)
-    if found is None or found.length is None:
+    shorter = shorter_answer(answer)
+    if shorter is None or shorter.length is None:
         return ""
-    return f"{found.length:.12g}, found by the check: --shortest takes it"
+    return f"{shorter.length:.12g}, found by the check: --shortest takes it"
 
 
 def _gap(answer: Answer) -> float | None:
-    """The gap, none below 0 of a proved path: rounding may put it there."""
+    """The gap, not below 0 for proved paths.
+
+    Rounding may put it below 0.
+    """
     gap = answer.gap
     return 0.0 if gap is not None and gap < 0 and answer.proof == "proved" else gap
 
@@ -213,14 +243,17 @@ def _number(value: float | None) -> str:
 
 
 def _segments(answer: Answer) -> str:
-    """Turn and length of each piece of the path, an arc with its angle; the first few of many."""
+    """Turn and length of each piece of the path.
+
+    An arc has its angle. Of many pieces the first few are told.
+    """
     pieces = list(zip(answer.curvatures or (), answer.lengths or (), strict=True))
     if not pieces:
         return "none"
-    texts = [
-        f"{_letter(k)} {length:.6g}" + (f" ({abs(math.degrees(k * length)):.4g} deg)" if k else "")
-        for k, length in pieces[:_MOST_SEGMENTS]
-    ]
+    texts = []
+    for k, length in pieces[:_MOST_SEGMENTS]:
+        angle = f" ({abs(math.degrees(k * length)):.4g} deg)" if k else ""
+        texts.append(f"{_letter(k)} {length:.6g}{angle}")
     return ", ".join(texts) + _more(", and", len(pieces) - len(texts))
 
 

@@ -1,4 +1,7 @@
-"""The files that `dubins-study solve` writes: the drawing and the flight."""
+"""The files that `dubins-study solve` writes.
+
+They are the drawing and the flight.
+"""
 
 from __future__ import annotations
 
@@ -18,7 +21,7 @@ if TYPE_CHECKING:
 
 
 class Files(NamedTuple):
-    """What is to be written, and how."""
+    """The files to write, with their settings."""
 
     plot: FilePath | None
     geojson: FilePath | None
@@ -34,7 +37,9 @@ class Files(NamedTuple):
         return [(option, file) for option, file in options if file is not None]
 
     def check(self, mission: Mission, read: Sequence[object]) -> None:
-        """Refuse files that cannot be written, before a solve that takes long.
+        """Refuse files that cannot be written.
+
+        This is done before a solve that takes long.
 
         `read` are the files that the question was read from, which are kept.
         """
@@ -45,14 +50,14 @@ class Files(NamedTuple):
             raise CommandError(f"--step is {self.step}; expected a length above 0")
         if not math.isfinite(self.altitude):
             raise CommandError(f"--altitude is {self.altitude}; expected a number")
-        taken = {file.resolve() for file in read if isinstance(file, FilePath)}
+        in_use = {file.resolve() for file in read if isinstance(file, FilePath)}
         for option, file in self._named:
             reason = unwritable(file)
             if reason:
                 raise CommandError(f"{option}: cannot write {file}: {reason}")
-            if file.resolve() in taken:
+            if file.resolve() in in_use:
                 raise CommandError(f"{option}: {file} is read, or is written twice")
-            taken.add(file.resolve())
+            in_use.add(file.resolve())
         if self.geojson is not None and self.geojson.suffix.lower() not in (".json", ".geojson"):
             raise CommandError(f"--geojson: {self.geojson}: expected a file .json or .geojson")
         for file in self.out:
@@ -68,7 +73,10 @@ class Files(NamedTuple):
             check_format(self.plot)
 
     def write(self, flight: Flight | None, names: Sequence[str]) -> bool:
-        """Draw and write a path where files are given; whether none is left out."""
+        """Draw and write a path to the files.
+
+        Return whether no file is left out.
+        """
         lacks: dict[str, list[str]] = {}
         left_out = False
         for option, file in self._named:
@@ -103,7 +111,7 @@ class Files(NamedTuple):
 
 
 def _unwritten(option: str, flight: Flight | None) -> str:
-    """Why a file is not written; empty if it is."""
+    """Why a file is not written, or nothing."""
     if flight is None:
         return "there is no finite path"
     if option == "--out" and not flight.arrives:

@@ -1,4 +1,4 @@
-"""The words of `dubins-study solve` as a mission and its scenario."""
+"""The command line's words as a mission and scenario."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _FAR = 500_000.0  # m from the middle of the points
 
 
 class Words(NamedTuple):
-    """What the command line says of the question."""
+    """The question, as the command line says it."""
 
     target: float | FilePath | None  # x, or a mission file
     y: float | None
@@ -47,19 +47,25 @@ class Words(NamedTuple):
 
 
 class Asked(NamedTuple):
-    """A mission with a home, and what is asked of it."""
+    """A mission with a home, and its scenario."""
 
     mission: Mission
     scenario: Scenario
 
     @property
     def names(self) -> list[str]:
-        """A name for each stop, in the question's order; some may be empty."""
+        """A name for each stop; some may be empty.
+
+        They have the order of the question.
+        """
         return [point.name for point in self.mission.points]
 
 
 def question_of(words: Words) -> Asked:
-    """The question of a command line; every refusal names the option."""
+    """The question of a command line.
+
+    Every refusal names the option.
+    """
     from dubins_study.study.scenario import checked_order
 
     checked_order(words.order)
@@ -86,7 +92,7 @@ def question_of(words: Words) -> Asked:
 
 
 def _mission(words: Words) -> Mission:
-    """The points that the words give, and where they start."""
+    """The points of the words, and their start."""
     from dubins_study.missions.mission import Mission
 
     if isinstance(words.target, FilePath):
@@ -103,7 +109,7 @@ def _mission(words: Words) -> Mission:
 
 
 def _refuse_unread(words: Words) -> None:
-    """Refuse options that only a mission file has a use for."""
+    """Refuse options that only mission files use."""
     options = {"--columns": words.columns, "--drop-repeats": words.drop_repeats}
     for option, value in options.items():
         if value:
@@ -127,11 +133,15 @@ def _file_mission(file: FilePath, words: Words) -> Mission:
 
 
 def _points(words: Words) -> list[MissionPoint]:
-    """Via points and, unless there is none, the target, of which `--via-file` may have all."""
+    """Via points and, if there is one, the target.
+
+    `--via-file` may have all of them.
+    """
     from dubins_study.missions.mission import MissionPoint
     from dubins_study.missions.table import read_points
 
-    x, y = words.target, words.y
+    x = words.target
+    y = words.y
     if words.via and words.via_file is not None:
         raise CommandError("--via and --via-file are given; expected one of them")
     if y is not None and words.closed:
@@ -150,7 +160,10 @@ def _points(words: Words) -> list[MissionPoint]:
 
 
 def _start(pose: tuple[str, str, str], mission: Mission, compass: bool) -> MissionPoint:
-    """The start pose; of a mission on Earth it is longitude, latitude and heading."""
+    """The start pose.
+
+    For a mission on Earth it is longitude, latitude and heading.
+    """
     from dubins_study.missions.mission import MissionPoint
     from dubins_study.study.tangent_plane import check_place
 
@@ -167,7 +180,10 @@ def _start(pose: tuple[str, str, str], mission: Mission, compass: bool) -> Missi
 def _with_heading(
     point: MissionPoint, mission: Mission, name: str, text: str, compass: bool
 ) -> MissionPoint:
-    """The point with a heading that counts, on Earth, from its own east or north."""
+    """The point with a heading.
+
+    On Earth, the heading counts from the point's own east or north.
+    """
     heading = _heading(name, text, compass)
     if heading is not None and mission.plane is not None:
         heading += float(mission.plane.convergence(point[:2])[0])
@@ -175,7 +191,7 @@ def _with_heading(
 
 
 def _with_headings(mission: Mission, words: Words) -> Mission:
-    """The mission with the headings that are given at some of the via points."""
+    """The mission with the given headings at via points."""
     points = list(mission.points)
     count = len(points) - words.to_last
     for place, text in words.via_headings:
@@ -192,7 +208,10 @@ def _with_headings(mission: Mission, words: Words) -> Mission:
 
 
 def _heading(name: str, text: str, compass: bool) -> float | None:
-    """A heading (rad, counterclockwise from +x) of a word; None if it is free."""
+    """The heading (rad) of a word, or None.
+
+    It is counterclockwise from +x. It is None if it is free.
+    """
     from dubins_study.missions.reading import heading_of
     from dubins_study.study.angle import AngleError
     from dubins_study.study.scenario import CONVENTION, FREE
@@ -207,7 +226,10 @@ def _heading(name: str, text: str, compass: bool) -> float | None:
 
 
 def _radius(words: Words, mission: Mission) -> float:
-    """The turning radius: as given, or that of a bank at the speed."""
+    """The turning radius, given or from a bank.
+
+    The bank gives a radius at the speed.
+    """
     from dubins_study.missions.flight import bank_radius, too_tight
     from dubins_study.study.angle import parse_angle
 

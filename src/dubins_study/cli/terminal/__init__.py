@@ -1,1 +1,1 @@
-"""What commands share: arguments and options, tables, and progress."""
+"""Arguments, options, tables and progress of all commands."""

@@ -1,4 +1,7 @@
-"""Arguments and options of the commands, each declared once, and their texts as values."""
+"""Arguments and options of the commands.
+
+Each is declared once, with the function that makes a value of its text.
+"""
 
 from __future__ import annotations
 
@@ -12,7 +15,10 @@ from dubins_study.errors import DubinsStudyError
 
 
 class CommandError(DubinsStudyError, ValueError):
-    """The command line cannot be read, or its result cannot be printed or saved."""
+    """The command line or its result is refused.
+
+    The line cannot be read, or its result cannot be printed or saved.
+    """
 
 
 def number(text: str | float) -> float:
@@ -53,14 +59,17 @@ def point(words: Sequence[str] | Point) -> Point:
 
 
 class StopHeading(NamedTuple):
-    """A heading at a via point: its place in their order, from 1 on, and the angle as written."""
+    """A heading at a via point.
+
+    The place counts from 1 in the order of the points; the angle is as written.
+    """
 
     place: int
     heading: str
 
 
 def stop_heading(words: Sequence[str] | StopHeading) -> StopHeading:
-    """The value of an option that is a heading at a via point."""
+    """The value of the option `--via-heading`."""
     place, heading = words
     try:
         return StopHeading(int(place), str(heading))
@@ -169,7 +178,10 @@ Json = Annotated[bool, typer.Option("--json", help="print one JSON object")]
 
 
 def start_pose(start: tuple[str, str, str]) -> tuple[float, float, str]:
-    """The words of `--from`: two numbers, and the heading as it is written."""
+    """The words of `--from`, as two numbers and heading.
+
+    The heading stays as it is written.
+    """
     try:
         return number(start[0]), number(start[1]), start[2]
     except typer.BadParameter:

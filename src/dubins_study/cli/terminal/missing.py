@@ -1,4 +1,4 @@
-"""What a command says where a package is not installed."""
+"""The message for a package that is not installed."""
 
 from __future__ import annotations
 
@@ -11,7 +11,9 @@ _PACKAGES = {"flint": "python-flint"}  # module -> package, where their names di
 
 
 def refuse_missing(error: ModuleNotFoundError) -> NoReturn:
-    """End with exit code 2 and the missing package's name, if it is one that dubins-study uses.
+    """End with the name of a missing package.
+
+    The exit code is 2. The package must be one that dubins-study uses.
 
     Raises:
         ModuleNotFoundError: the error, of any other module: that is a bug.

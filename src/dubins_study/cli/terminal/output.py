@@ -1,4 +1,7 @@
-"""What commands print: tables on stdout; progress, the log and what solvers print on stderr."""
+"""Output of commands: results, progress and the log.
+
+Tables go to stdout; progress, the log and output of solvers go to stderr.
+"""
 
 from __future__ import annotations
 
@@ -16,15 +19,19 @@ from enum import IntEnum
 from io import StringIO
 
 _INTERVAL_S = 30.0  # between lines of progress, without a terminal
-_MOMENT_S = 2.0  # that nobody is told about
+_MOMENT_S = 2.0  # a command that ends sooner shows no steps
 # Characters in a line: without a terminal, so that a row of a table is one line, and at least.
-_NO_TERMINAL_WIDTH, _LEAST_WIDTH = 100_000, 40
+_NO_TERMINAL_WIDTH = 100_000
+_LEAST_WIDTH = 40
 _NAME_WIDTH = 12  # of a name in a listing, with the space behind it
 _NUMBER = re.compile(r"[-+−]?\d[\d.]*(e[-+]?\d+)?\s?%?")
 
 
 class Verbosity(IntEnum):
-    """Quiet: no progress. Normal: progress. Verbose: progress and the log of every step."""
+    """How much a command tells on stderr.
+
+    Quiet: no progress. Normal: progress. Verbose: progress and the log of every step.
+    """
 
     QUIET = -1
     NORMAL = 0
@@ -41,14 +48,18 @@ def verbosity() -> Verbosity:
 
 
 def set_verbosity(level: Verbosity) -> None:
-    """Set the verbosity; a verbose command writes this package's log to stderr."""
+    """Set the verbosity of the command.
+
+    A verbose command writes this package's log to stderr.
+    """
     global _level
     _level = level
     verbose = level == Verbosity.VERBOSE
     _LOG.handlers = [handler for handler in _LOG.handlers if not isinstance(handler, _ToStderr)]
-    _LOG.setLevel(logging.INFO if verbose else logging.NOTSET)
+    _LOG.setLevel(logging.NOTSET)
     _LOG.propagate = not verbose
     if verbose:
+        _LOG.setLevel(logging.INFO)
         _LOG.addHandler(_ToStderr())
 
 
@@ -61,20 +72,29 @@ class _ToStderr(logging.StreamHandler):  # type: ignore[type-arg]
 
 
 def note(message: str, always: bool = True) -> None:
-    """A line on stderr about what a command left out, or understood if it is not quiet."""
+    """Print a note on stderr.
+
+    It tells what a command left out, or how it understood the request. Notes that are not `always`
+    printed are left out if the command is quiet.
+    """
     if always or verbosity() > Verbosity.QUIET:
         print(f"dubins-study: {plain(message)}", file=sys.stderr)
 
 
 def plain(text: str) -> str:
-    """The text on one line, its control characters written out."""
+    """The text on one line.
+
+    Its control characters are written out.
+    """
     from dubins_study.study.values import plain as written_out  # numpy, which no help waits for
 
     return written_out(text)
 
 
 def terminal_width() -> int | None:
-    """Characters in a line of the terminal; None without one, where lines may be of any length.
+    """Characters in a line of the terminal, or None.
+
+    Without a terminal, lines may have any length.
 
     The variable COLUMNS, where it is set, counts as a terminal.
     """
@@ -83,32 +103,37 @@ def terminal_width() -> int | None:
 
 
 def table(head: Sequence[str], rows: Sequence[Sequence[object]]) -> str:
-    """Rows as aligned text, numbers on the right; texts are broken where the terminal ends."""
+    """Rows as aligned text, numbers on the right.
+
+    Texts are broken where the terminal ends.
+    """
     from rich import box
     from rich.console import Console
     from rich.table import Table
     from rich.text import Text
 
     lines = [[_cell(value) for value in row] for row in rows]
-    shown = Table(box=box.SIMPLE_HEAD, pad_edge=False, show_edge=False)
+    grid = Table(box=box.SIMPLE_HEAD, pad_edge=False, show_edge=False)
     for place, name in enumerate(head):
         number = all(_NUMBER.fullmatch(line[place]) for line in lines if line[place])
-        shown.add_column(
-            Text(plain(name)),  # a name from a results folder may look like markup
-            justify="right" if number else "left",
-            no_wrap=number,
-            overflow="ellipsis" if number else "fold",
-        )
+        title = Text(plain(name))  # a name from a results folder may look like markup
+        if number:
+            grid.add_column(title, justify="right", no_wrap=True, overflow="ellipsis")
+        else:
+            grid.add_column(title, overflow="fold")
     for line in lines:
-        shown.add_row(*map(Text, line))
-    written = StringIO()
+        grid.add_row(*map(Text, line))
+    text = StringIO()
     width = terminal_width() or _NO_TERMINAL_WIDTH
-    Console(file=written, width=width, highlight=False, no_color=True).print(shown)
-    return "\n".join(line.rstrip() for line in written.getvalue().splitlines()).strip("\n")
+    Console(file=text, width=width, highlight=False, no_color=True).print(grid)
+    return "\n".join(line.rstrip() for line in text.getvalue().splitlines()).strip("\n")
 
 
 def _cell(value: object) -> str:
-    """A value as a table shows it; nothing where it is missing."""
+    """A value as a table shows it.
+
+    A missing value is shown as nothing.
+    """
     if value is None or value != value:
         return ""
     if isinstance(value, bool):
@@ -119,7 +144,7 @@ def _cell(value: object) -> str:
 
 
 def listing(fields: Mapping[str, object]) -> str:
-    """Lines of a name and its value; empty values are left out.
+    """Lines of names and values, without empty values.
 
     A value goes on below itself where the terminal ends.
     """
@@ -135,7 +160,10 @@ def listing(fields: Mapping[str, object]) -> str:
 
 @contextmanager
 def solvers_to_stderr() -> Iterator[None]:
-    """Keep stdout for results: what solvers and their processes print goes to stderr."""
+    """Send what solvers print to stderr.
+
+    The output of their processes goes there too: stdout is for results.
+    """
     if sys.stdout is None or sys.stderr is None:  # our parent process closed one of them
         yield
         return
@@ -152,7 +180,9 @@ def solvers_to_stderr() -> Iterator[None]:
 
 @contextmanager
 def progress(what: str, counts: list[int]) -> Iterator[Callable[[int, int], None]]:
-    """One line on stderr about what is done; yields a function of the numbers done and to do.
+    """Show progress in one line on stderr.
+
+    The block gets a function that takes the numbers done and to do.
 
     Without a terminal it is a plain line every half minute. Nothing is written if the command is
     quiet. `counts` is set to the numbers done and to do.
@@ -201,20 +231,23 @@ def _bar(what: str) -> Iterator[Callable[[int, int], None]]:
 
 def _lines(what: str) -> Callable[[int, int], None]:
     """A line every half minute."""
-    written = time.monotonic()
+    last_line_s = time.monotonic()
 
     def move(done: int, total: int) -> None:
-        nonlocal written
-        now = time.monotonic()
-        if now - written >= _INTERVAL_S and done < total and sys.stderr is not None:
-            written = now
+        nonlocal last_line_s
+        now_s = time.monotonic()
+        if now_s - last_line_s >= _INTERVAL_S and done < total and sys.stderr is not None:
+            last_line_s = now_s
             print(f"dubins-study: {plain(what)}: {done} of {total} done", file=sys.stderr)
 
     return move
 
 
 def duration(seconds: float) -> str:
-    """A duration in the largest unit of which it has at least two, rounded to a few digits."""
+    """A duration in a unit that suits it.
+
+    The unit is the largest of which it has at least two; the number has a few digits.
+    """
     for unit, length in (("d", 86400.0), ("h", 3600.0), ("min", 60.0)):
         if seconds >= 2 * length:
             return f"{seconds / length:.3g} {unit}"
@@ -223,7 +256,9 @@ def duration(seconds: float) -> str:
 
 @contextmanager
 def steps(what: str) -> Iterator[Callable[[str], None]]:
-    """One line on stderr about a command that takes longer than a moment and cannot count.
+    """Show the steps of a long command.
+
+    They are one line on stderr, for a command that takes longer than a moment and cannot count.
 
     Yields a function that shows the name of the next step. Without a terminal the steps are lines
     of a verbose command only.

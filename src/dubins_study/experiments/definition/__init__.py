@@ -1,1 +1,4 @@
-"""What an experiment's TOML file may contain, and the messages for invalid files."""
+"""What an experiment's TOML file may contain.
+
+The messages for invalid files are here too.
+"""

@@ -1,4 +1,7 @@
-"""How a TOML file writes numbers, and how it gives one field of a scenario several values."""
+"""Numbers and axes as a TOML file writes them.
+
+An axis gives one field of a scenario several values.
+"""
 
 from __future__ import annotations
 
@@ -48,7 +51,10 @@ SectionName = Annotated[str, Field(pattern=r"^[a-z][a-z0-9-]*$", max_length=40)]
 
 
 def _checked_spec(spec: str, info: ValidationInfo) -> str:
-    """The spec, if the caller's check (the context of the validation) does not refuse it."""
+    """The spec, unless the caller's check refuses it.
+
+    The check is the context of the validation.
+    """
     if info.context is not None:
         info.context(spec)
     return spec
@@ -58,7 +64,10 @@ SolverSpecs = Annotated[list[Annotated[str, AfterValidator(_checked_spec)]], Fie
 
 
 class StrictModel(BaseModel):
-    """A table of the TOML file; unknown keys are refused. A key's docstring follows it."""
+    """A table of the TOML file.
+
+    Unknown keys are refused. A key's docstring follows it.
+    """
 
     model_config = ConfigDict(
         extra="forbid", frozen=True, use_attribute_docstrings=True, validate_default=True
@@ -66,9 +75,9 @@ class StrictModel(BaseModel):
 
 
 class _Law(StrictModel):
-    """Values that are spread evenly (`linear`), or whose logarithms are (`log`)."""
+    """Evenly spread values (`linear`), or evenly spread logarithms (`log`)."""
 
-    written: ClassVar[str]  # what follows the name of the law
+    written: ClassVar[str]  # the list after the name of the law, in messages
 
     @model_validator(mode="after")
     def _check_law(self) -> Self:
@@ -80,7 +89,7 @@ class _Law(StrictModel):
 
 
 class Spaced(_Law):
-    """`[first, last, count]`: evenly spaced values, or values whose logarithms are."""
+    """`[first, last, count]`: evenly spaced values or logarithms."""
 
     written = "[first, last, count]"
     linear: tuple[Number, Number, _AxisCount] | None = None
@@ -101,7 +110,10 @@ class Spaced(_Law):
 
 
 class Range(_Law):
-    """Sampled values are spread uniformly (`linear`), or their logarithms are (`log`)."""
+    """Range of a sample: uniform values, or uniform logarithms.
+
+    The first is `linear`, the second `log`.
+    """
 
     written = "[low, high]"
     linear: tuple[Number, Number] | None = None
@@ -110,7 +122,10 @@ class Range(_Law):
     """Least and largest value, both above 0."""
 
     def value_at(self, share: float) -> float:
-        """The value at a share, from 0 to 1, of the way from the least to the largest."""
+        """The value at a share of the range.
+
+        The share goes from 0 (the least value) to 1 (the largest).
+        """
         if self.log is not None:
             low, high = self.log
             return float(low * (high / low) ** share)
@@ -127,7 +142,7 @@ def _written_out(written: Any) -> Any:
 
 
 def _radii(written: Any) -> float:
-    """The number of radii that a text such as `8R` says."""
+    """The number of radii in a text like `8R`."""
     if isinstance(written, str) and written.endswith("R"):
         with suppress(ValueError):
             return number_of_text(written[:-1])
@@ -155,7 +170,10 @@ RadiiList = Annotated[
 
 
 def _as_lists(value: Any) -> Any:
-    """The via points of each scenario: one list of points is that of all."""
+    """A list of via points for each scenario.
+
+    A single list of points is that of all scenarios.
+    """
     items = value if isinstance(value, list) else [None]
     one = all(isinstance(item, list) and item and type(item[0]) is not list for item in items)
     return [value] if one else value
@@ -165,12 +183,14 @@ _Coordinate = Annotated[float, Field(allow_inf_nan=False, strict=True)]
 
 
 def _stop(written: Any, validate: ValidatorFunctionWrapHandler) -> tuple[float, ...]:
-    """A via point: two coordinates and, where it is given, the heading there."""
-    several = written if isinstance(written, list) else []
-    point: tuple[float, ...] = validate(several[:2] if len(several) == 3 else written)
-    if len(several) < 3 or several[2] == FREE:
-        return point
-    return (*point, parse_angle(several[2]))
+    """A via point: two coordinates, and perhaps its heading."""
+    if isinstance(written, list) and len(written) == 3:
+        *place, heading = written
+    else:
+        place = written
+        heading = FREE
+    point: tuple[float, ...] = validate(place)
+    return point if heading == FREE else (*point, parse_angle(heading))
 
 
 _WrittenPoints = list[list[_Written]]

@@ -1,4 +1,4 @@
-"""An experiment: what its TOML file says, checked key by key."""
+"""An experiment, checked key by key from its file."""
 
 from __future__ import annotations
 
@@ -39,16 +39,19 @@ else:
 
 
 class ExperimentError(DubinsStudyError, ValueError):
-    """The experiment does not exist or is not valid; the message names file, key and value."""
+    """The experiment does not exist or is not valid.
+
+    The message names file, key and value.
+    """
 
 
 def packaged() -> list[str]:
-    """The names of the experiments that come with the package, sorted."""
+    """Sorted names of the experiments in the package."""
     return sorted(_packaged_files())
 
 
 def _packaged_files() -> dict[str, Any]:
-    """The TOML files of the package by the experiment's name."""
+    """The package's TOML files by the experiment's name."""
     folder = files("dubins_study.experiments")
     return {
         file.name.removesuffix(".toml"): file
@@ -58,7 +61,10 @@ def _packaged_files() -> dict[str, Any]:
 
 
 def fields_of(path: str, text: str) -> dict[str, Any]:
-    """The keys of a TOML file and their values; what is not TOML is refused at once."""
+    """The keys of a TOML file and their values.
+
+    Text that is not TOML is refused at once.
+    """
     try:
         return tomllib.loads(text)
     except (ValueError, RecursionError) as error:  # also: a number too long, or deep nesting
@@ -68,7 +74,11 @@ def fields_of(path: str, text: str) -> dict[str, Any]:
 
 
 def text_of(name: str) -> tuple[str, str, str]:
-    """Name, path and text (`ExperimentFile`) of a packaged experiment, or of any TOML file."""
+    """Name, path and text of an experiment.
+
+    They are the first three fields of `ExperimentFile`. The experiment comes with the package, or
+    is any TOML file.
+    """
     packaged_file = _packaged_files().get(name)
     if packaged_file is not None:
         return name, packaged_file.name, packaged_file.read_text(encoding="utf-8")
@@ -89,9 +99,10 @@ def text_of(name: str) -> tuple[str, str, str]:
 
 
 class First(StrictModel):
-    """Solvers that are asked only the first scenarios of what is drawn, such as slow ones.
+    """Solvers that are asked only the first drawn scenarios.
 
-    The first scenarios of a Sobol sample cover its ranges as well.
+    These are solvers such as slow ones. The first scenarios of a Sobol sample cover its ranges as
+    well.
     """
 
     scenarios: Count
@@ -150,16 +161,19 @@ class Experiment(StrictModel):
 
     @property
     def blocks(self) -> list[Block]:
-        """All blocks: those of the file, and the first scenarios of those that `first` is about."""
+        """All blocks: those of the file, and of `first`.
+
+        A block of `first` has the first scenarios of a block that draws scenarios.
+        """
         first = self.first
         if first is None:
             return self.scenarios
         firsts = []
         for block in self.scenarios:
-            drawn = block.drawn
-            if drawn is not None and block.solvers is None:
-                fewer = drawn.model_copy(update={"count": min(drawn.count, first.scenarios)})
-                name = next(name for name in DRAWN if getattr(block, name) is drawn)
+            table = block.drawn
+            if table is not None and block.solvers is None:
+                fewer = table.model_copy(update={"count": min(table.count, first.scenarios)})
+                name = next(name for name in DRAWN if getattr(block, name) is table)
                 firsts.append(block.model_copy(update={name: fewer, "solvers": first.solvers}))
         return [*self.scenarios, *firsts]
 
@@ -177,7 +191,7 @@ TABLE_KEYS = {
 
 
 class ExperimentFile(NamedTuple):
-    """An experiment and the file that it was read from."""
+    """An experiment and the file that it comes from."""
 
     name: str  # of the packaged experiment, or the stem of the file's name
     path: str  # as it appears in messages
@@ -186,15 +200,19 @@ class ExperimentFile(NamedTuple):
 
 
 def read(name: str) -> ExperimentFile:
-    """Read an experiment by its name or its path; `plan.run_plan.read_checked` checks more of it.
+    """Read an experiment by its name or its path.
 
-    The `ExperimentError` names the file and every wrong key, its line, value and what was expected.
+    `plan.run_plan.read_checked` checks its solvers too. The `ExperimentError` names the file and
+    every wrong key, its line, value and what was expected.
     """
     return parse(*text_of(name))
 
 
 def parse(name: str, file: str, text: str) -> ExperimentFile:
-    """Read an experiment from the text of its file; `file` is named in messages."""
+    """Read an experiment from the text of its file.
+
+    `file` is named in messages.
+    """
     try:
         experiment = Experiment.model_validate(fields_of(file, text))
     except ValidationError as error:

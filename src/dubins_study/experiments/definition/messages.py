@@ -1,4 +1,7 @@
-"""Sentences about what is wrong with an experiment's file, with key and line."""
+"""Sentences about mistakes in an experiment's file.
+
+They name the key and the line.
+"""
 
 from __future__ import annotations
 
@@ -15,8 +18,9 @@ KeyPath = tuple[str | int, ...]
 
 
 def line_of(path: KeyPath, text: str) -> int | None:
-    """The line, from 1, of a value, or of the innermost key around it that a search finds.
+    """The line of a value in a file.
 
+    Lines count from 1. If the value is not there, the line is that of the innermost key around it.
     The search goes from key to key, and reads no TOML: a key in a comment may mislead it.
     """
     place = 0
@@ -30,14 +34,15 @@ def line_of(path: KeyPath, text: str) -> int | None:
         name = re.escape(step)
         key = rf"""(?<![\w-])["']?{name}["']?[ \t]*[.=\]]"""
         item = rf"""["']{name}["']"""
-        found = re.compile(f"{key}|{item}").search(text, place)
-        if found is None:
+        match = re.compile(f"{key}|{item}").search(text, place)
+        if match is None:
             break
-        place = found.end() - 1
+        place = match.end() - 1
     return text.count("\n", 0, place) + 1 if place else None
 
 
-_MAX_KEY_CHARS, _MAX_MESSAGE_CHARS = 120, 320
+_MAX_KEY_CHARS = 120
+_MAX_MESSAGE_CHARS = 320
 _MAX_PROBLEMS = 20  # that one refusal lists
 SOLVER_ERROR = "solver"  # pydantic's type of an error about a solver's spec
 # Name of a table of the file, "" for the file itself -> the keys that it may have.
@@ -45,30 +50,38 @@ TableKeys = Mapping[str, Iterable[str]]
 
 
 class Problem(NamedTuple):
-    """Something wrong with a file: where, and a sentence with the key, the value and the rule."""
+    """A mistake in a file: place and sentence.
+
+    The sentence has the key, the value and the rule.
+    """
 
     path: KeyPath
     sentence: str
 
 
 def refusal(file: str, problems: list[Problem], text: str = "") -> str:
-    """All problems of a file in one message, with lines if there is a text; a line each."""
+    """All problems of a file in one message.
+
+    Each problem has a line of the message; with a text of the file it has its line number.
+    """
     placed = [(line_of(path, text) or 0, sentence) for path, sentence in problems]
     placed.sort(key=lambda place: place[0])
-    unique = dict.fromkeys(f"line {n}: {sentence}" if n else sentence for n, sentence in placed)
-    sentences = list(unique)
+    lines = [f"line {n}: {sentence}" if n else sentence for n, sentence in placed]
+    sentences = list(dict.fromkeys(lines))
     if len(sentences) == 1:
         return f"{file}: {sentences[0]}"
     more = len(sentences) - _MAX_PROBLEMS
-    listed = sentences[:_MAX_PROBLEMS] + ([f"and {more} more"] if more > 0 else [])
-    return "\n  ".join([f"{file}: {len(sentences)} mistakes", *listed])
+    lines = [f"{file}: {len(sentences)} mistakes", *sentences[:_MAX_PROBLEMS]]
+    if more > 0:
+        lines.append(f"and {more} more")
+    return "\n  ".join(lines)
 
 
-def problems_of(error: ValidationError, known: TableKeys) -> list[Problem]:
+def problems_of(error: ValidationError, table_keys: TableKeys) -> list[Problem]:
     """Every mistake that pydantic found."""
     errors = [(each["loc"], each) for each in error.errors(include_url=False)]
     misspelt = {
-        (*path[:-1], nearest(path[-1], _keys_beside(path, known)))
+        (*path[:-1], nearest(path[-1], _keys_beside(path, table_keys)))
         for path, each in errors
         if each["type"] == "extra_forbidden"
     }
@@ -78,24 +91,26 @@ def problems_of(error: ValidationError, known: TableKeys) -> list[Problem]:
             sentence = f"{_key(path[:-1])}: {each['msg']}"
             problems.append(Problem((*path[:-1], each["input"]), sentence))
         elif each["type"] != "missing":
-            problems.append(Problem(path, _sentence(path, each, known)))
+            problems.append(Problem(path, _sentence(path, each, table_keys)))
         elif path not in misspelt:  # a key that is missing because it is misspelt is one mistake
             problems.append(Problem(path[:-1], f"{_key(path)}: missing"))
     return problems
 
 
-def _keys_beside(path: KeyPath, known: TableKeys) -> Iterable[str]:
-    """The keys that the table of a key may have."""
+def _keys_beside(path: KeyPath, table_keys: TableKeys) -> Iterable[str]:
+    """The keys that may stand beside a key."""
     tables = [step for step in path[:-1] if isinstance(step, str)]
-    return known.get(tables[-1] if tables else "", ())
+    table = tables[-1] if tables else ""
+    return table_keys.get(table, ())
 
 
-def _sentence(path: KeyPath, error: Any, known: TableKeys) -> str:
+def _sentence(path: KeyPath, error: Any, table_keys: TableKeys) -> str:
     """The key, its value and what was expected."""
-    kind, key = error["type"], _key(path)
+    kind = error["type"]
+    key = _key(path)
     if kind == "extra_forbidden":
-        near = did_you_mean(path[-1], _keys_beside(path, known)).rstrip()
-        return f"{key}: unknown key{'; ' if near else ''}{near}"
+        near = did_you_mean(path[-1], _keys_beside(path, table_keys)).rstrip()
+        return f"{key}: unknown key; {near}" if near else f"{key}: unknown key"
     message = error["msg"].removeprefix("Value error, ").replace("Input should be", "expected")
     if kind in ("model_type", "dict_type"):
         message = "expected a table"

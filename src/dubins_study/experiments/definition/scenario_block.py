@@ -1,4 +1,7 @@
-"""One `[[scenarios]]` table of an experiment: its keys, and which of them do not go together."""
+"""One `[[scenarios]]` table of an experiment.
+
+Its keys are here, and which of them do not go together.
+"""
 
 from __future__ import annotations
 
@@ -66,7 +69,10 @@ _MOST_LEGS = 10**7  # of all routes or tours of a block: 160 MB
 
 
 def _numbers(written: Any) -> list[Any]:
-    """What stands for numbers in an axis or a range; of evenly spaced ones not their count."""
+    """The values that stand for numbers in an axis.
+
+    They may be those of a range too. The count of evenly spaced values is left out.
+    """
     if isinstance(written, dict):
         ends = next(iter(written.values()), None)
         return ends[:2] if isinstance(ends, list) else []
@@ -74,7 +80,10 @@ def _numbers(written: Any) -> list[Any]:
 
 
 def _check_texts(name: str, written: Any) -> None:
-    """Refuse a text for a number, and an angle that is no text beyond a full turn."""
+    """Refuse texts for numbers, and unclear angles.
+
+    An angle beyond a full turn is unclear if it is not written as a text.
+    """
     for item in _numbers(written):
         if name in _ANGLES:
             if isinstance(item, int | float) and abs(item) > LARGEST_BARE:
@@ -109,7 +118,10 @@ class Drawn(StrictModel):
 
     @property
     def sizes(self) -> list[int]:
-        """Number of legs or points that are drawn for each kind of scenario; 0 of a sample."""
+        """Number of legs or points of each kind.
+
+        It is 0 for a sample.
+        """
         return [0]
 
     @property
@@ -142,7 +154,9 @@ class Sample(Drawn):
 
 
 class Route(Drawn):
-    """Routes drawn at random: the way from each point to the next has any direction.
+    """Routes drawn at random, leg by leg.
+
+    The way from each point to the next has any direction.
 
     A route goes from the block's start pose through as many points as it has legs; the last one is
     its target. A route of one leg has no via points. The same seed draws the same routes, whether
@@ -169,7 +183,9 @@ class Route(Drawn):
 
 
 class Tour(Drawn):
-    """Tours drawn at random: points of a square, to be passed in any order.
+    """Tours drawn at random: points in any order.
+
+    The points lie in a square.
 
     The start and n points are spread uniformly over a square. Its side is `density` times sqrt(n),
     so that points are as close to each other in tours of all sizes. The same seed draws the same
@@ -208,7 +224,9 @@ class Tour(Drawn):
 
 
 class GuessLengths(StrictModel):
-    """The lengths z1, z2, z3 of the paper's path, in radii, from which a local solver starts.
+    """Lengths from which a local solver starts, in radii.
+
+    They are the lengths z1, z2, z3 of the paper's path.
 
     z1 is the length of the left turn, z2 of the right turn, z3 of the straight. The initial guesses
     are all combinations of the values.
@@ -238,7 +256,9 @@ _ONE: Any = 1.0
 
 
 class Block(StrictModel):
-    """Scenarios: all combinations of the fields' values, or a sample.
+    """Scenarios: combinations of values, or a sample.
+
+    All values of all fields are combined.
 
     The target is written in one of these ways:
     `target_x` and `target_y`;
@@ -312,7 +332,10 @@ class Block(StrictModel):
 
     @model_validator(mode="after")
     def _check_target(self) -> Block:
-        """Refuse a block with no target or several, and keys that say what is drawn."""
+        """Refuse a block with no target or several.
+
+        Keys that say what is drawn are refused too.
+        """
         if isinstance(self, ListedBlock):
             return self
         ranges = {} if self.sample is None else self.sample.ranges
@@ -334,7 +357,10 @@ class Block(StrictModel):
         return self
 
     def _check_way(self, target: set[str]) -> None:
-        """Refuse a target that is not written in one way, or from a heading that is free."""
+        """Refuse a target that is not written one way.
+
+        From a free heading, only coordinates say where the target is.
+        """
         if target not in map(set, _WAYS):
             ways = ", or ".join([*(" and ".join(way) for way in _WAYS), "a route", "a tour"])
             raise ValueError(f"expected {ways}")
@@ -346,22 +372,31 @@ class Block(StrictModel):
 
     @property
     def drawn(self) -> Sample | Route | Tour | None:
-        """What draws scenarios, routes or tours at random, if anything does."""
+        """The table that draws at random, or None.
+
+        It draws scenarios, routes or tours.
+        """
         return self.sample or self.route or self.tour
 
     def axis(self, field: str) -> HeadingAxis | None:
-        """The values of one of `FIELDS`, or None if the block does not give that field."""
+        """The values of one of `FIELDS`, or None.
+
+        It is None if the block does not give that field.
+        """
         values: HeadingAxis | None = getattr(self, field)
         return values
 
 
-def _refuse_beside(drawn: str, keys: set[str]) -> None:
+def _refuse_beside(table: str, keys: set[str]) -> None:
     """Refuse keys that say what a table draws."""
     if keys:
-        raise ValueError(f"{', '.join(sorted(keys))}; expected none beside {drawn}")
+        raise ValueError(f"{', '.join(sorted(keys))}; expected none beside {table}")
 
 
 class ListedBlock(Block):
-    """Scenarios listed one by one in a file of their own; no experiment's file writes this."""
+    """Scenarios listed one by one in their own file.
+
+    No experiment's file writes this.
+    """
 
     listed: Any = Field(exclude=True)  # a list of `Scenario`, which are valid

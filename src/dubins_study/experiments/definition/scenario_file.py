@@ -1,4 +1,7 @@
-"""Scenarios listed in a CSV or Parquet file: read, and checked row by row."""
+"""Scenarios of a CSV or Parquet file.
+
+They are read, and checked row by row.
+"""
 
 from __future__ import annotations
 
@@ -21,7 +24,7 @@ from dubins_study.study.values import nearest, number_of_text, plain, short
 
 _LOG = logging.getLogger(__name__)
 _FLAGS = {"true": True, "True": True, "false": False, "False": False}
-# of other columns an empty cell is a measurement that is missing
+# in any other column an empty cell is refused: a measurement is missing
 _MAY_BE_EMPTY = ("speed", "label", *VIA, "final_heading", *TOUR, "target_x", "target_y")
 
 
@@ -54,15 +57,15 @@ def read_scenarios(file: str | FilePath) -> list[Scenario]:
 
 
 def _refuse(file: str, sentences: list[str]) -> None:
-    """Refuse a file of which there is something to say."""
+    """Refuse a file with the sentences about its mistakes."""
     if sentences:
         raise TableFileError(refusal(file, [Problem((), sentence) for sentence in sentences]))
 
 
 def _check_columns(file: str, table: Table) -> list[str]:
-    """Refuse columns that are missing, twice there, or unknown and named like a missing one.
+    """Refuse wrong columns; return the other unknown ones.
 
-    Returned are the other unknown ones.
+    A column is wrong if it is missing, there twice, or unknown and named like a missing one.
     """
     names = table.names
     missing = [name for name in COLUMNS if name not in names]
@@ -75,7 +78,10 @@ def _check_columns(file: str, table: Table) -> list[str]:
 
 
 def _note_slips(file: str, scenarios: list[Scenario]) -> None:
-    """Warn of what may be a slip in valid rows: rows that repeat, and doubtful units."""
+    """Warn of rows that repeat, and of doubtful units.
+
+    Such rows are valid, but may be slips.
+    """
     count = len(scenarios)
     remarks = []
     if copies := count - len(set(scenarios)):
@@ -90,7 +96,10 @@ def _note_slips(file: str, scenarios: list[Scenario]) -> None:
 
 
 def _value(name: str, row: dict[str, Any]) -> Any:
-    """The value of a column, which is a text in a CSV file; its default where there is none."""
+    """The value of a column, or its default.
+
+    In a CSV file the value is a text.
+    """
     value = row.get(name)
     if value is None or value == "":
         if name not in row or name in _MAY_BE_EMPTY:
@@ -109,7 +118,10 @@ def _value(name: str, row: dict[str, Any]) -> Any:
 
 
 def text_about(scenarios: str) -> tuple[str, str, str]:
-    """The experiment (as `text_of`) that asks about a file of scenarios; it names no solvers."""
+    """Name, path and text of an experiment about scenarios.
+
+    It asks about a file of scenarios and names no solvers. The three are those of `text_of`.
+    """
     name = FilePath(scenarios).stem
     question = "How well do the chosen solvers answer these scenarios?"
     keys = {"title": f"Scenarios of {name}", "question": question}

@@ -1,4 +1,7 @@
-"""The rows of a CSV or Parquet file, each with its place in the file."""
+"""The rows of a CSV or Parquet file.
+
+Each row has its place in the file.
+"""
 
 from __future__ import annotations
 
@@ -16,7 +19,10 @@ _LOG = logging.getLogger(__name__)
 
 
 class TableFileError(ScenarioError):
-    """A table of scenarios or points that cannot be used; names file, line, column and rule."""
+    """A table of scenarios or points is not usable.
+
+    The message names file, line, column and rule.
+    """
 
 
 class TableRow(NamedTuple):
@@ -35,7 +41,10 @@ class Table(NamedTuple):
 
 
 def read_table(file: FilePath) -> Table:
-    """The rows of a file; Parquet where its name says so, otherwise CSV in UTF-8 with commas."""
+    """The rows of a file.
+
+    A name ending in `.parquet` is read as Parquet, any other as CSV in UTF-8 with commas.
+    """
     try:
         return _parquet_table(file) if file.suffix == ".parquet" else _csv_table(file)
     except OSError as error:
@@ -48,7 +57,10 @@ def read_table(file: FilePath) -> Table:
 
 
 def _csv_table(file: FilePath) -> Table:
-    """The rows as texts; cells that are missing at the end of a row are empty."""
+    """The rows as texts.
+
+    Cells that are missing at the end of a row are empty.
+    """
     with file.open(encoding="utf-8-sig", newline="") as text:
         rows, problems = read_rows(text)
     names = [name.strip() for name in rows[0].cells] if rows else []
@@ -69,6 +81,6 @@ def _parquet_table(file: FilePath) -> Table:
 
 def note_passed_over(file: FilePath, columns: Iterable[str]) -> None:
     """Warn of columns that are not read."""
-    named = ", ".join(name or "one without a name" for name in columns)
-    if named:
-        _LOG.warning("dubins-study: %s", plain(f"{file}: columns that are passed over: {named}"))
+    names = ", ".join(name or "one without a name" for name in columns)
+    if names:
+        _LOG.warning("dubins-study: %s", plain(f"{file}: columns that are passed over: {names}"))

@@ -1,1 +1,4 @@
-"""Executors turn a plan into judged rows: local workers, or Dask."""
+"""Executors turn a plan into judged rows.
+
+They are local workers, or Dask.
+"""

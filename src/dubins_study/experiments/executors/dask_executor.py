@@ -1,4 +1,7 @@
-"""Solve the cells of a run on a Dask cluster: send work units, receive judged rows."""
+"""Solve a run's cells on a Dask cluster.
+
+Work units are sent; judged rows come back.
+"""
 
 from __future__ import annotations
 
@@ -23,9 +26,11 @@ _LOG = logging.getLogger(__name__)
 _LOGGERS = ("distributed", "tornado", "asyncio")
 
 # Cells per unit: quick ones fill the second after which a worker returns a unit, slow ones do not
-# travel back and forth in vain. Near the end of a run a unit holds one part in so many of the cells
-# left per thread, so that all threads finish at about the same time.
-_MAX_CELLS, _PARTS_PER_THREAD = 256, 4
+# travel back and forth in vain.
+_MAX_CELLS = 256
+# Near the end of a run, the cells that are left for a thread are sent in four parts, so that all
+# threads finish at about the same time.
+_PARTS_PER_THREAD = 4
 # Units sent per thread: the one that is being solved, and the next.
 _UNITS_PER_THREAD = 2
 # Retries of a unit that raised an exception. Dask itself counts workers that die
@@ -33,8 +38,10 @@ _UNITS_PER_THREAD = 2
 _RETRIES = 1
 # Seconds between two looks for replies; each yields, so that the caller can write rows.
 _POLL_INTERVAL_S = 0.1
-# Seconds to wait for a result, and for an answer of the scheduler or of every worker.
-_FETCH_WAIT_S, _ANSWER_WAIT_S = 30.0, 10.0
+# Seconds to wait for a result.
+_FETCH_WAIT_S = 30.0
+# Seconds to wait for an answer of the scheduler or of every worker.
+_ANSWER_WAIT_S = 10.0
 _LOST = "the connection to the Dask scheduler is lost"
 
 
@@ -79,10 +86,15 @@ def _close(client: Any) -> None:
 
 
 class _Submission:
-    """The cells of one run: those that wait here, and those that the cluster holds as units."""
+    """The cells of one run on a cluster.
+
+    Some wait here; the cluster holds the others as units.
+    """
 
     def __init__(self, client: Any, unit: WorkUnit, probed: Probed):
-        self._client, self._settings, self._probed = client, unit.settings, probed
+        self._client = client
+        self._settings = unit.settings
+        self._probed = probed
         self._waiting: deque[Chain] = deque(unit.chains)
         self._units: dict[Any, WorkUnit] = {}  # by Dask's future
         self._threads = 0
@@ -91,7 +103,10 @@ class _Submission:
         self._machines: dict[str, int] = {}
 
     def solve(self, stop: Interruption) -> Iterator[list[Row]]:
-        """Yield the rows of all cells as they come, and an empty list if none come for a while."""
+        """Yield the rows of all cells as they come.
+
+        The list is empty if none come for a while.
+        """
         stopping = False
         while self._waiting or self._units:
             if stop.requested and not stopping:  # workers finish the cells that they are solving
@@ -119,7 +134,7 @@ class _Submission:
                 if reply.refusal:
                     raise RunError(reply.refusal)
                 if not (stopping or stop.requested):
-                    # what the worker has not solved comes first again
+                    # the cells that the worker has not solved come first again
                     rest = unit.remaining({row_key(row) for row in rows})
                     self._waiting.extendleft(reversed(rest.chains))
 
@@ -134,7 +149,8 @@ class _Submission:
 
     def _submit(self) -> None:
         """Send units until there are `_UNITS_PER_THREAD` for every thread."""
-        function, threads = in_worker("solve_unit"), max(1, self._threads)
+        function = in_worker("solve_unit")
+        threads = max(1, self._threads)
         while self._waiting and len(self._units) < _UNITS_PER_THREAD * threads:
             share = sum(map(len, self._waiting)) // (_PARTS_PER_THREAD * threads)
             cells = max(1, min(_MAX_CELLS, share))
@@ -148,7 +164,10 @@ class _Submission:
             self._units[future] = unit
 
     def _reply(self, future: Any) -> UnitReply | None:
-        """A worker's reply; None if the worker that held it has died: another solves the unit."""
+        """A worker's reply, or None if it is lost.
+
+        It is lost if its worker has died; another worker then solves the unit.
+        """
         if future.status == "cancelled":
             raise RunError(_LOST)
         try:
@@ -160,7 +179,10 @@ class _Submission:
         return reply
 
     def _call_workers(self, name: str) -> None:
-        """Call a function of `dask_worker` with the run's id in every worker that answers."""
+        """Call a function in every worker that answers.
+
+        The function is of `dask_worker` and takes the run's id.
+        """
         with suppress(Exception):  # workers that are ending, or that lack this package
             self._client.run(
                 in_worker(name),
@@ -179,7 +201,10 @@ class _Submission:
 
 
 def _explanation(error: Exception) -> str:
-    message = exception_text(error.__cause__ if isinstance(error.__cause__, Exception) else error)
+    cause = error.__cause__
+    if not isinstance(cause, Exception):
+        cause = error
+    message = exception_text(cause)
     if isinstance(error, ImportError | AttributeError) or "deserializ" in str(error):
         return (
             f"dubins-study is not on a Dask worker, or of another version ({message}); expected "

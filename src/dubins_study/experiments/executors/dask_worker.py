@@ -1,7 +1,7 @@
-"""The code in a Dask worker: solve work units with its own pools, which are kept between units.
+"""The code in a Dask worker: solve work units.
 
-A unit travels as bytes, which a worker without this package can receive, and rows travel as an
-Arrow table. No object of a plug-in's classes travels.
+The worker keeps its own pools between units. A unit travels as bytes, which a worker without this
+package can receive, and rows travel as an Arrow table. No object of a plug-in's classes travels.
 """
 
 from __future__ import annotations
@@ -10,6 +10,7 @@ import pickle
 import socket
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from itertools import chain
 from pathlib import Path as FilePath
 from time import monotonic
 from typing import Any, NamedTuple
@@ -23,17 +24,17 @@ from dubins_study.experiments.isolation.pool import RunError, WorkerPool
 from dubins_study.experiments.plan.run_plan import RunSettings
 from dubins_study.study.rows.parts import Row, rows_table
 
-# Seconds after which a unit is returned, even if cells are left: rows are written every second, and
-# a unit of slow solvers must not keep other workers waiting at the end.
+# Seconds after which a unit is returned, even if cells are left. Rows are written every second, and
+# near the end of a run no worker must wait for a unit of slow solvers.
 _UNIT_S = 1.0
 _PACKAGE = FilePath(__file__).parents[2]
 
 
 def in_worker(name: str) -> Callable[[Any], Any]:
-    """A function of this module, sent as code: a worker without this package raises ImportError.
+    """A function of this module, sent as code.
 
-    By its name, as Dask sends a module's function, it would end the connection of such a worker,
-    and the run would wait forever.
+    A worker without this package raises ImportError. By its name, as Dask sends a module's
+    function, it would end the connection of such a worker, and the run would wait forever.
     """
 
     def call(argument: Any) -> Any:
@@ -46,7 +47,7 @@ def in_worker(name: str) -> Callable[[Any], Any]:
 
 
 class UnitReply(NamedTuple):
-    """What a Dask worker returns for a work unit."""
+    """A Dask worker's reply to a work unit."""
 
     rows: pa.Table  # of the cells that were solved
     refusal: str  # why this worker must not solve the rest of the unit; empty if it may
@@ -55,9 +56,12 @@ class UnitReply(NamedTuple):
 
 
 def _source_files() -> frozenset[tuple[str, int, int]]:
-    """Name, modification time (ns) and size (bytes) of the files that answers depend on."""
+    """The files that answers depend on.
+
+    Each has its name, modification time (ns) and size (bytes).
+    """
     rooms = ("study", "solvers", "experiments")
-    files = [file for room in rooms for file in (_PACKAGE / room).rglob("*.py")]
+    files = chain.from_iterable((_PACKAGE / room).rglob("*.py") for room in rooms)
     return frozenset((f.name, f.stat().st_mtime_ns, f.stat().st_size) for f in files)
 
 
@@ -66,7 +70,10 @@ _IMPORTED = _source_files()
 
 
 class _Run:
-    """The pools of one run in this process: one for every unit that is solved at the same time."""
+    """The pools of one run in this process.
+
+    There is one for every unit that is solved at the same time.
+    """
 
     def __init__(self) -> None:
         self.stop = Interruption()
@@ -76,7 +83,10 @@ class _Run:
 
     @contextmanager
     def pool(self, settings: RunSettings) -> Iterator[WorkerPool]:
-        """A pool of one worker process that is idle, or a new one."""
+        """An idle pool of one worker process.
+
+        If there is none, the pool is a new one.
+        """
         try:
             pool = self._idle.pop()
         except IndexError:
@@ -94,11 +104,15 @@ class _Run:
                 pool.__exit__()
 
     def end(self) -> None:
-        """End all idle processes; once the run is stopped, also those that are solving."""
+        """End all idle processes.
+
+        Once the run is stopped, processes that are solving are ended too.
+        """
         while self._idle:
             self._idle.pop().__exit__()
-        for pool in [*self._busy] if self.stop.requested else ():
-            pool.kill_workers()  # the thread that uses the pool closes it
+        if self.stop.requested:
+            for pool in [*self._busy]:
+                pool.kill_workers()  # the thread that uses the pool closes it
 
 
 _runs: dict[str, _Run] = {}
@@ -112,20 +126,24 @@ def _run(run_id: str) -> _Run:
 
 
 def stop_run(run_id: str) -> None:
-    """Let a run's current solves finish; start no further cell of the run."""
+    """Let current solves finish; start no further cell."""
     _run(run_id).stop.requested = True
 
 
 def end_run(run_id: str) -> None:
-    """Kill a run's current solves and end its idle processes."""
+    """Kill a run's solves and end its processes."""
     stop_run(run_id)
     _run(run_id).end()
 
 
 def solve_unit(message: bytes) -> UnitReply:
-    """Solve cells of a pickled work unit for about a second, and at least one cell."""
+    """Solve cells of a pickled unit for a second.
+
+    At least one cell is solved.
+    """
     unit: WorkUnit = pickle.loads(message)
-    run, machine = _run(unit.settings.run_id), socket.gethostname()
+    run = _run(unit.settings.run_id)
+    machine = socket.gethostname()
     rows: list[Row] = []
     refusal = ""
     end_s = monotonic() + _UNIT_S
@@ -139,5 +157,6 @@ def solve_unit(message: bytes) -> UnitReply:
                     pool.begin_no_more()
     except RunError as error:
         refusal = f"on the Dask worker on {machine}, {error}"
-    probes_s, run.probes_s[:] = [*run.probes_s], []
+    probes_s = [*run.probes_s]
+    run.probes_s.clear()
     return UnitReply(rows_table(rows), refusal, machine, probes_s)

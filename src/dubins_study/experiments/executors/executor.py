@@ -1,4 +1,7 @@
-"""What an executor is, and what it solves: work units, which hold chains of cells."""
+"""Executors, and the work units that they solve.
+
+A unit holds chains of cells.
+"""
 
 from __future__ import annotations
 
@@ -13,16 +16,22 @@ from dubins_study.study.rows.schema import Key
 
 
 class WorkUnit(NamedTuple):
-    """Cells of one run: all unsolved cells, or as many as one Dask task gets."""
+    """Cells of one run.
+
+    They are all unsolved cells, or as many as one Dask task gets.
+    """
 
     settings: RunSettings
     # Single cells, and sweeps, in which each warm cell starts from the previous path.
     chains: list[Chain]
 
     def remaining(self, done: Collection[Key]) -> WorkUnit:
-        """The chains with a cell that is not done; a sweep is solved again as a whole."""
-        left = [chain for chain in self.chains if any(cell.key not in done for cell in chain)]
-        return self._replace(chains=left)
+        """The chains with a cell that is not done.
+
+        A sweep is solved again as a whole.
+        """
+        unsolved = [chain for chain in self.chains if any(cell.key not in done for cell in chain)]
+        return self._replace(chains=unsolved)
 
 
 # Called with the duration (s) of a calibration probe and the number of its machine (0: this one).
@@ -30,7 +39,10 @@ Probed = Callable[[float, int], None]
 
 
 class Executor(NamedTuple):
-    """What solves a run's cells; usable until the `with` block that provides it ends."""
+    """A way to solve a run's cells.
+
+    It is usable until the `with` block that provides it ends.
+    """
 
     # How many cells are solved at the same time.
     jobs: int

@@ -1,4 +1,7 @@
-"""Put cells or questions to a worker pool on this machine; judge the replies in this process."""
+"""Put cells or questions to workers on this machine.
+
+The replies are judged in this process.
+"""
 
 from __future__ import annotations
 
@@ -30,7 +33,10 @@ _KEY = names(KEY)
 
 @contextmanager
 def local_executor(jobs: int) -> Iterator[Executor]:
-    """An executor with `jobs` worker processes here, which run while cells are solved."""
+    """An executor with `jobs` worker processes here.
+
+    They run while cells are solved.
+    """
 
     def solve(
         unit: WorkUnit, stop: Interruption, probed: Probed
@@ -43,7 +49,10 @@ def local_executor(jobs: int) -> Iterator[Executor]:
 
 
 class _Step(NamedTuple):
-    """A cell whose job is under way, and what its chain goes on with."""
+    """A cell whose job is under way.
+
+    The other fields are needed to go on with its chain.
+    """
 
     cell: Cell
     following: Iterator[Cell]
@@ -53,8 +62,11 @@ class _Step(NamedTuple):
 def solve_chains(
     pool: WorkerPool, unit: WorkUnit, stop: Interruption
 ) -> Generator[list[Row], None, None]:
-    """Yield the judged rows of all cells as they come; an empty list if none come for a while."""
-    for chain in unit.chains:  # what is compiled; in a worker the limit would end that
+    """Yield the judged rows of cells as they come.
+
+    The list is empty if none come for a while.
+    """
+    for chain in unit.chains:  # compiles loops; in a worker the time limit would end that
         prepare(chain[0].scenario, chain[0].branch)
     for results in pool.solve(_first_jobs(unit), stop):
         rows = []
@@ -77,7 +89,10 @@ def _first_jobs(unit: WorkUnit) -> Iterator[Job]:
 
 
 def _next_job(cells: Iterator[Cell], path: Path | None) -> Iterator[Job]:
-    """The job of the next cell of a chain, if any; `path` is the last that arrived before it."""
+    """The job of a chain's next cell, if any.
+
+    `path` is the last path that arrived before that cell.
+    """
     for cell in itertools.islice(cells, 1):
         guess = path if cell.initial_guess == "warm" else given_guess(cell)
         step = _Step(cell, cells, path)
@@ -85,18 +100,20 @@ def _next_job(cells: Iterator[Cell], path: Path | None) -> Iterator[Job]:
 
 
 def check_code(cell: Cell, reply: Reply, executor: str) -> None:
-    """Refuse a reply whose code has another digest than its cell."""
+    """Refuse a reply whose code is not its cell's.
+
+    The digests of the two differ.
+    """
     digest = reply.code_digest
     if not (reply.started and cell.code_digest) or digest == cell.code_digest:
         return
     # A solver that loads on the asking machine but not on the Dask worker is different code too.
     if not digest and executor == "local":
         return
-    message = reply.solution.message
+    change = f"is {digest} now" if digest else f"does not load: {reply.solution.message}"
     raise RunError(
         f"the code of {cell.solver} is not what was asked: its digest was {cell.code_digest} and "
-        f"{f'is {digest} now' if digest else f'does not load: {message}'}; its files, its settings "
-        "or its libraries' versions differ"
+        f"{change}; its files, its settings or its libraries' versions differ"
     )
 
 
@@ -123,7 +140,10 @@ def row_of(cell: Cell, question: Question, settings: RunSettings, reply: Reply) 
 def ask_isolated(
     solver: str, profile: str, questions: Iterable[Question], limit: float
 ) -> Iterator[Answer]:
-    """Yield the judged answers to questions, in their order, as a run would have them."""
+    """Yield the judged answers to questions, in order.
+
+    They are judged as in a run.
+    """
     jobs = (Job(solver, profile, question, limit) for question in questions)
     allowed = tolerances(profile, limit)
     method = describe_solver(solver, profile).method

@@ -1,1 +1,4 @@
-"""Solve one question in a process that can be killed; this room knows nothing of cells or rows."""
+"""Solve one question in a process with hard limits.
+
+This room knows nothing of cells or rows.
+"""

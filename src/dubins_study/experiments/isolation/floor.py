@@ -1,6 +1,7 @@
-"""The floor of a time: what an engine takes for a trivial problem through the same adapter.
+"""Floor of a time: seconds for a trivial problem.
 
-Beside the time of a solve it says how much of it is the adapter's and the engine's own overhead.
+The engine solves it through the same adapter. Beside the time of a solve, the floor shows the
+overhead of the adapter and the engine.
 """
 
 from __future__ import annotations
@@ -29,13 +30,17 @@ from dubins_study.study.convex.problem import read
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.words import DERIVATIVE_FREE, NLP, PROVEN, QP, ROOTS, SAMPLING
 
-# The first call loads and compiles; the least of the others counts, and there are several if they
-# are quick.
-_REPEATS, _QUICK_S, _LIMIT_S = 5, 0.1, 1.0
+# The first call loads and compiles. Of the others, the shortest counts; quick ones are repeated.
+_REPEATS = 5
+_QUICK_S = 0.1
+_LIMIT_S = 1.0
 
 
 def floor_s(solver: Solver) -> float | None:
-    """The seconds of a call of a solver's engine on a trivial problem; None where it fails."""
+    """Seconds of an engine's call on a trivial problem.
+
+    None if the call fails.
+    """
     try:
         call = _trivial(solver)
         if call is None:
@@ -51,7 +56,10 @@ def floor_s(solver: Solver) -> float | None:
 
 
 def _trivial(solver: Solver) -> Callable[[], Any] | None:
-    """A call that solves a trivial problem by a solver's engine."""
+    """A call that solves a trivial problem.
+
+    It is solved by the solver's own engine.
+    """
     if isinstance(solver, PaperNlp):
         return _word(solver)
     if isinstance(solver, Convex):
@@ -68,7 +76,8 @@ def _word(solver: PaperNlp) -> Callable[[], Any]:
     """The word LS, begun at its solution."""
     z = np.array((0.5, 0.0, 1.0))
     X, Y = end_point(0.5, 0.5, 1.0, math)
-    adapter, case = solver.adapter(), case_of("LS", Local(X, Y, 0.0))
+    adapter = solver.adapter()
+    case = case_of("LS", Local(X, Y, 0.0))
     return lambda: adapter(case, z, _LIMIT_S)
 
 
@@ -80,7 +89,10 @@ def _one_variable(solver: Convex) -> Callable[[], Any]:
 
 
 def _two_places(solver: Solver) -> Callable[[], Any]:
-    """A tour of two places with one heading each, built once."""
+    """A tour of two places, built once.
+
+    Each place has one heading.
+    """
     model = solver.build(Question(Scenario(target_x=5, target_y=0, final_heading=0)))
     return lambda: solver.solve(model, _LIMIT_S)
 
@@ -90,7 +102,7 @@ def _nlp(engine: str) -> Callable[[], Any] | None:
 
 
 def _proven(engine: str) -> Callable[[], Any]:
-    """The least x from 0 to 2 that is at least 1."""
+    """The least x in [1, 2], as a program."""
     from dubins_study.solvers.minlp_engines.mixed_program import (
         MixedProgram,
         Row,
@@ -107,7 +119,7 @@ def _proven(engine: str) -> Callable[[], Any]:
 
 
 class _Square:
-    """(x - 1)^2 for x from 0 to 2, as searches take it."""
+    """Function (x - 1)^2 on [0, 2], for searches."""
 
     upper: FloatArray = np.full(1, 2.0)
 
@@ -120,13 +132,16 @@ class _Square:
 
 
 def _search(engine: str) -> Callable[[], Any]:
-    """A square of one variable, with the engine's own budget, for what cost nothing to evaluate."""
+    """A square of one variable, with the engine's budget.
+
+    The budget is that of its own evaluations, for functions that cost nothing to evaluate.
+    """
     from dubins_study.solvers.stochastic.penalty_function import CountedFunction, Task
 
     def call() -> Any:
-        until, random = perf_counter() + _LIMIT_S, np.random.default_rng(0)
-        function = CountedFunction(_Square(), ENGINES[engine].evaluations, until)
-        return Task(function, np.full(1, 0.5), random).search(engine)
+        end = perf_counter() + _LIMIT_S
+        function = CountedFunction(_Square(), ENGINES[engine].evaluations, end)
+        return Task(function, np.full(1, 0.5), np.random.default_rng(0)).search(engine)
 
     return call
 
@@ -141,7 +156,8 @@ def _qp(engine: str) -> Callable[[], Any]:
     """A square of one variable in cvxpy, compiled once."""
     import cvxpy
 
-    x, nearest = cvxpy.Variable(nonneg=True), cvxpy.Parameter(value=1.0)
+    x = cvxpy.Variable(nonneg=True)
+    nearest = cvxpy.Parameter(value=1.0)
     problem = cvxpy.Problem(cvxpy.Minimize(cvxpy.square(x - nearest)))
     return lambda: problem.solve(solver=engine.upper())
 

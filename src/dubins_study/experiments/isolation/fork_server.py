@@ -1,4 +1,6 @@
-"""Processes forked from our own server, which has our modules loaded and runs no thread.
+"""Processes forked from our own server.
+
+The server has our modules loaded and runs no thread.
 
 A plain fork would copy the caller's threads and memory; a fresh interpreter takes a second per
 worker. `multiprocessing` has a single fork server for the whole Python process. Our changes to it
@@ -43,14 +45,16 @@ _PROGRAM = (
 )
 # Seconds that the server may take to import our modules on a busy machine.
 _START_UP_S = 120.0
-# Seconds to wait until a killed process has ended, and until a stopped server has killed its
-# descendants and ended.
-_KILL_WAIT_S, _STOP_WAIT_S = 2.0, 5.0
+# Seconds to wait until a killed process has ended.
+_KILL_WAIT_S = 2.0
+# Seconds to wait until a stopped server has killed its descendants and ended.
+_STOP_WAIT_S = 5.0
 # Options of Linux's prctl.
-_PR_SET_PDEATHSIG, _PR_SET_CHILD_SUBREAPER = 1, 36
-# Rounds of killing, and seconds per round: a killed process may leave children, which the next
-# round kills.
-_MAX_KILL_ROUNDS, _KILL_ROUND_S = 400, 0.005
+_PR_SET_PDEATHSIG = 1
+_PR_SET_CHILD_SUBREAPER = 36
+# Rounds of killing: a killed process may leave children, which the next round kills.
+_MAX_KILL_ROUNDS = 400
+_KILL_ROUND_S = 0.005
 
 
 class ForkServerError(DubinsStudyError, RuntimeError):
@@ -58,7 +62,7 @@ class ForkServerError(DubinsStudyError, RuntimeError):
 
 
 class ForkedProcess(NamedTuple):
-    """A process that the server has forked; it leads its own session."""
+    """A forked process; it leads its own session."""
 
     pid: int
     channel: Channel  # messages to and from the process; does not block
@@ -66,19 +70,28 @@ class ForkedProcess(NamedTuple):
     exit_pipe: int  # readable once the process and all its descendants have ended
 
     def exit_code(self) -> int:
-        """Exit code, -N if signal N killed the process, which has ended; it can be read once."""
+        """Exit code, or -N if signal N killed it.
+
+        The process must have ended. The code can be read once.
+        """
         text = os.read(self.exit_pipe, 32)
         # If the server itself was killed, the kernel has killed its processes.
         return int(text) if text else -signal.SIGKILL
 
     def kill(self) -> None:
-        """Kill the process if it has not ended; the server kills its descendants."""
+        """Kill the process if it has not ended.
+
+        The server kills its descendants.
+        """
         if not _readable(self.exit_pipe, 0):
             with suppress(OSError):
                 os.kill(self.pid, signal.SIGKILL)
 
     def close(self) -> None:
-        """Kill the process, wait for its end, and close its pipes and its channel."""
+        """Kill the process and close its pipes.
+
+        Its channel is closed too, after its end.
+        """
         self.kill()
         _readable(self.exit_pipe, _KILL_WAIT_S)
         self.channel.line.close()
@@ -87,14 +100,20 @@ class ForkedProcess(NamedTuple):
 
 
 def _readable(descriptor: int, timeout_s: float) -> bool:
-    """Whether data or the end of the stream can be read within `timeout_s`."""
+    """Whether a descriptor can be read within `timeout_s`.
+
+    Data can be read, or the end of the stream.
+    """
     poll = select.poll()  # `select.select` takes only the first thousand descriptors
     poll.register(descriptor, select.POLLIN)
     return bool(poll.poll(1000 * timeout_s))
 
 
 class _ForkServer:
-    """The server of this process; started on the first request, and again if it was killed."""
+    """The server of this process.
+
+    It is started at the first request, and again if it was killed.
+    """
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
@@ -102,14 +121,17 @@ class _ForkServer:
         self._control: socket.socket | None = None
 
     def request(self, descriptors: list[int]) -> None:
-        """Ask the server to fork a process, and pass the descriptors to it."""
+        """Ask the server to fork a process.
+
+        The descriptors are passed to the process.
+        """
         with self._lock:
             if self._control is None or self._process is None or self._process.poll() is not None:
                 self.stop()
                 self._control, server_end = socket.socketpair()
                 with server_end:
                     self._process = subprocess.Popen(
-                        # -u: what a solver has printed is read even if its process crashes
+                        # -u: the output of a solver is read even if its process crashes
                         [sys.executable, "-uPc", _PROGRAM, json.dumps(_search_path())],
                         stdin=server_end.fileno(),
                         stdout=subprocess.DEVNULL,
@@ -120,23 +142,28 @@ class _ForkServer:
             socket.send_fds(self._control, [b"f"], descriptors)
 
     def wait(self) -> None:
-        """Wait a few seconds for the end of the server."""
+        """Wait a few seconds for the server's end."""
         if self._process is not None:
             with suppress(subprocess.TimeoutExpired):
                 self._process.wait(_STOP_WAIT_S)
 
     def stop(self) -> None:
-        """End the server and every process that it has forked."""
+        """End the server and all processes forked from it."""
         if self._control is not None:
             self._control.close()
         self.wait()
 
     def detach_in_child(self) -> None:
-        """In a process that the caller has forked: the server belongs to its parent."""
+        """Forget the server in a forked process.
+
+        The caller has forked this process; the server belongs to its parent.
+        """
         if self._process is not None:
             self._process.returncode = 0  # this process cannot wait for its parent's child
         self.stop()
-        self._lock, self._process, self._control = threading.Lock(), None, None
+        self._lock = threading.Lock()
+        self._process = None
+        self._control = None
 
 
 _server = _ForkServer()
@@ -145,7 +172,9 @@ atexit.register(_server.stop)
 
 
 def fork(function: str, arguments: list[Any]) -> ForkedProcess:
-    """Call a function in a process that is forked from the server, and ends when it returns.
+    """Call a function in a newly forked process.
+
+    The process is forked from the server, and ends when the function returns.
 
     `function` is `module:name`, called as `name(channel, *arguments)` with arguments that JSON can
     hold. The new process gets the caller's environment and working directory, and the caller's
@@ -168,7 +197,8 @@ def _forked(message: list[Any]) -> ForkedProcess:
         line, line_end = socket.socketpair()
         caller_ends.enter_context(line)
         process_ends.enter_context(line_end)
-        (output, output_end), (exit_pipe, exit_end) = os.pipe(), os.pipe()
+        output, output_end = os.pipe()
+        exit_pipe, exit_end = os.pipe()
         for pipe in (output, exit_pipe):
             caller_ends.callback(os.close, pipe)
         for pipe in (output_end, exit_end):
@@ -185,11 +215,14 @@ def _forked(message: list[Any]) -> ForkedProcess:
         line.setblocking(False)
         os.set_blocking(output, False)
         caller_ends.pop_all()
-        return ForkedProcess(int.from_bytes(pid), channel, output, exit_pipe)
+        return ForkedProcess(int.from_bytes(pid), channel, output=output, exit_pipe=exit_pipe)
 
 
 def _search_path() -> list[str]:
-    """The caller's `sys.path` without its working directory, whose files may hide a package."""
+    """The caller's `sys.path` without its working directory.
+
+    Files in that directory may hide a package.
+    """
     entries = [os.path.abspath(entry) for entry in sys.path if entry]  # noqa: PTH100
     entries = [entry for entry in entries if entry != os.getcwd()]  # noqa: PTH109
     return entries if _PACKAGE_FOLDER in entries else [*entries, _PACKAGE_FOLDER]
@@ -199,7 +232,10 @@ def _search_path() -> list[str]:
 
 
 def serve() -> None:
-    """Fork a process per byte received from the socket on stdin, until that socket is closed."""
+    """Fork a process per byte received on stdin.
+
+    Stdin is a socket; the server runs until it is closed.
+    """
     # loaded and read once, for all workers
     import_module("dubins_study.experiments.isolation.worker")
     import_module("dubins_study.experiments.code_digest").study_sources()
@@ -244,7 +280,10 @@ def serve() -> None:
 
 
 def _reap(exit_pipes: dict[int, int]) -> None:
-    """Collect all ended children, and write the exit codes of forked ones to their pipes."""
+    """Collect all ended children; report their exit codes.
+
+    The codes of forked processes are written to their pipes.
+    """
     ended: dict[int, int] = {}
     with suppress(ChildProcessError):  # no child is left
         while (child := os.waitpid(-1, os.WNOHANG))[0]:
@@ -263,7 +302,10 @@ def _reap(exit_pipes: dict[int, int]) -> None:
 
 
 def _end_descendants(spared: Collection[int]) -> None:
-    """Kill every descendant except the spared processes and their descendants."""
+    """Kill every descendant except the spared ones.
+
+    The descendants of spared processes are spared too.
+    """
     for _ in range(_MAX_KILL_ROUNDS):
         orphans = [child for child in psutil.Process().children() if child.pid not in spared]
         if not orphans:
@@ -279,7 +321,10 @@ def _end_descendants(spared: Collection[int]) -> None:
 
 
 def _run_child(server: int, output: int, line: int) -> None:
-    """In the forked process: receive a function's name and call it. This never returns."""
+    """Receive a function's name and call it.
+
+    This runs in the forked process, and never returns.
+    """
     code = 1
     try:
         # From now on, the kernel kills this process when the server ends.

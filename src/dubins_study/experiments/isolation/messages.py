@@ -1,4 +1,6 @@
-"""Questions and replies as they travel between a pool and its workers: only plain values.
+"""Questions and replies as pools and workers send them.
+
+They are only plain values.
 
 A plug-in may return objects of its own classes, which would run its code where they are unpickled.
 Therefore every message is a line of JSON. A channel also takes paths and arrays of doubles: each is
@@ -28,18 +30,22 @@ from dubins_study.study.words import Outcome
 _READ_BYTES = 2**20
 _MAX_TEXT_CHARS = 2000
 # Keys of encoded paths and arrays; with a space, since settings are names of Python.
-_PATH, _ARRAY = "a path", "an array"
+_PATH = "a path"
+_ARRAY = "an array"
 
 
 def _encode(value: Any) -> dict[str, Any]:
-    """A path or an array of doubles as JSON has it."""
+    """A path or an array of doubles for JSON."""
     if isinstance(value, Path):
         return {_PATH: [*value.start, value.curvatures, value.lengths]}
     return {_ARRAY: b2a_base64(value.tobytes(), newline=False).decode()}
 
 
 def _decode(values: dict[str, Any]) -> Any:
-    """The path or the array that was encoded; any other object as it is."""
+    """The path or the array that was encoded.
+
+    Any other object stays as it is.
+    """
     if values.keys() == {_PATH}:
         *start, curvatures, lengths = values[_PATH]
         return Path(Pose(*start), curvatures, lengths)
@@ -53,21 +59,27 @@ _DECODER = json.JSONDecoder(object_hook=_decode)
 
 
 class Channel:
-    """Messages over a socket. The socket blocks in a worker, but not in the worker's pool.
+    """Messages over a socket.
+
+    The socket blocks in a worker, but not in the worker's pool.
 
     If the other end is closed, reading raises EOFError; a line that is no JSON raises ValueError.
     """
 
     def __init__(self, line: socket.socket):
         self.line = line
-        self._received, self._unsent = bytearray(), bytearray()
+        self._received = bytearray()
+        self._unsent = bytearray()
 
     def put(self, message: Any) -> None:
         """Add a message to the buffer that `flush` sends."""
         self._unsent += _ENCODER.encode(message).encode() + b"\n"
 
     def flush(self) -> bool:
-        """Send the buffer. Returns whether all of it was sent; always true if the socket blocks."""
+        """Send the buffer; return whether it is empty then.
+
+        The result is always true if the socket blocks.
+        """
         try:
             while self._unsent:
                 del self._unsent[: self.line.send(self._unsent)]
@@ -82,14 +94,17 @@ class Channel:
         return message
 
     def received(self) -> Iterator[Any]:
-        """The messages that have arrived, without waiting; the socket must not block."""
+        """The messages that have arrived, without waiting.
+
+        The socket must not block.
+        """
         with suppress(BlockingIOError):
             self._read()
         while (message := self.next_received()) is not None:
             yield message
 
     def next_received(self) -> Any:
-        """The next message that has been read already; None if there is none."""
+        """The next message that has arrived, or None."""
         end = self._received.find(b"\n") + 1
         if not end:
             return None
@@ -121,7 +136,10 @@ def decode_question(values: list[Any]) -> Question:
 
 
 def encode_reply(reply: Reply) -> list[Any]:
-    """A reply as values that a channel takes, with its texts cut to what a row holds."""
+    """A reply as values that a channel takes.
+
+    Its texts are cut to the length that a row holds.
+    """
     outcome, solution, times, *others = reply
     values = vars(solution).copy()
     for name, value in values.items():
@@ -131,6 +149,9 @@ def encode_reply(reply: Reply) -> list[Any]:
 
 
 def decode_reply(encoded: list[Any]) -> Reply:
-    """The reply that was encoded; raises some exception if the values do not encode one."""
+    """The reply that was encoded.
+
+    It raises some exception if the values do not encode a reply.
+    """
     outcome, values, times, *others = encoded
     return Reply(Outcome(outcome), Solution(**values), Times(**times), *others)

@@ -1,4 +1,6 @@
-"""A pool of worker processes with hard limits: takes jobs, yields (job, reply) pairs.
+"""A pool of worker processes with hard limits.
+
+It takes jobs and yields (job, reply) pairs.
 
 If a solver crashes or blocks its worker, the job gets a reply too. The pool judges no answer.
 """
@@ -29,19 +31,21 @@ from dubins_study.solvers.protocol import Question
 from dubins_study.solvers.registry import load, ours
 
 # Kinds of tasks (see `worker`), the first item of their messages.
-_WARM_UP, _SOLVE = "warm up", "solve"
+_WARM_UP = "warm up"
+_SOLVE = "solve"
 # Seconds beyond the time limit: a solver that respects the limit needs a moment to send its answer.
 # With the poll interval and the kill itself, a solve ends within 0.3 s of its limit.
 GRACE_S = 0.1
-# Seconds that a solver may take to load, and that a warm-up may take beyond the time limit: it
-# loads what later solves find loaded.
+# Seconds that a solver may take to load.
 _LOADING = Allowance(60.0, activity="loading the solver")
+# Seconds that a warm-up may take beyond the time limit: it loads libraries for later solves.
 _WARM_UP_S = 10.0
-_LEG_ROUTE = (False, True)  # what a solver is warmed up on: whether it is a route
+_LEG_ROUTE = (False, True)  # whether the question of a warm-up is a route
 _PROBING = Allowance(60.0, activity="measuring its speed")
-# A worker that never waits for its pool has jobs in advance: as long as those that it has are
-# expected to take less than `AHEAD_S`, and at most `_AHEAD_JOBS`.
-AHEAD_S, _AHEAD_JOBS = 0.05, 64
+# A worker gets jobs in advance, so that it never waits for its pool. It gets one more if its jobs
+# are expected to take less than `AHEAD_S`, and has at most `_AHEAD_JOBS`.
+AHEAD_S = 0.05
+_AHEAD_JOBS = 64
 # After this many seconds without a reply, yield an empty list, so that the caller can write rows.
 _YIELD_INTERVAL_S = 0.2
 # Seconds between two calibration probes.
@@ -52,7 +56,10 @@ _BYTES_PER_GIB = 2**30
 
 
 class RunError(DubinsStudyError, RuntimeError):
-    """No more questions can be asked; in a run the rows written so far are kept."""
+    """No more questions can be asked.
+
+    The rows that a run has written so far are kept.
+    """
 
 
 # A solver's spec and profile.
@@ -60,7 +67,10 @@ SolverKey = tuple[str, str]
 
 
 class Job(NamedTuple):
-    """One question to one solver; the caller may attach any object as `tag`."""
+    """One question to one solver.
+
+    The caller may attach any object as `tag`.
+    """
 
     solver: str
     profile: str
@@ -70,7 +80,10 @@ class Job(NamedTuple):
 
     @property
     def solver_key(self) -> SolverKey:
-        """Spec and profile: a worker loads a solver once for all jobs with the same key."""
+        """Spec and profile.
+
+        A worker loads a solver once for all jobs with the same key.
+        """
         return self.solver, self.profile
 
 
@@ -80,7 +93,9 @@ Results = list[tuple[Job, Reply]]
 
 @cache
 def worker_group(solver: str) -> str:
-    """The group of a solver: only jobs of the same group share workers.
+    """The group of a solver.
+
+    Only jobs of the same group share workers.
 
     Our own solvers that keep their limits are one group. One that does not is a group by itself: a
     worker that is killed takes its loaded solvers with it, and loading a hundred takes half a
@@ -92,12 +107,18 @@ def worker_group(solver: str) -> str:
 
 
 def _solves(task: Task) -> bool:
-    """Whether a task is to answer a job's question, not to load or warm up a solver."""
+    """Whether a task answers a job's question.
+
+    Other tasks load or warm up a solver.
+    """
     return task.message[:1] == [_SOLVE]
 
 
 class _Worker(WorkerProcess):
-    """A worker process, the group whose jobs it solves, and the solvers that it has loaded."""
+    """A worker process, its group and its loaded solvers.
+
+    It solves the jobs of the group only.
+    """
 
     def __init__(self, group: str, memory_bytes: int):
         function = "dubins_study.experiments.isolation.worker:serve"
@@ -108,7 +129,9 @@ class _Worker(WorkerProcess):
 
 
 class WorkerPool:
-    """Worker processes, started when there are jobs and kept until the `with` block ends.
+    """Worker processes, kept until the `with` block ends.
+
+    They are started when there are jobs.
 
     With `warm_up` a worker asks its solvers an easy question before their first job. `probed` is
     called every two seconds with the duration (s) of a calibration probe; with it the floors of
@@ -130,7 +153,7 @@ class WorkerPool:
         self._warm_up = warm_up
         # Warm-ups that ended a worker: solvers, on a leg or on a route; they go without.
         self._without_warm_up: set[tuple[SolverKey, bool]] = set()
-        # Solver that has answered -> seconds that its next solve is expected to take: as its last.
+        # Solver that has answered -> seconds of its last solve, which are expected of the next.
         self._expected_s: dict[SolverKey, float] = {}
         # Solver that ended its worker while it was loaded -> the reply to its other jobs.
         self._unloadable: dict[SolverKey, Reply] = {}
@@ -153,15 +176,23 @@ class WorkerPool:
             worker.kill()
 
     def put_first(self, jobs: Iterable[Job]) -> None:
-        """Put jobs at the front of the queue, in their order; allowed while `solve` runs."""
+        """Put jobs at the front of the queue.
+
+        They keep their order. This is allowed while `solve` runs.
+        """
         self._first.extendleft(reversed(list(jobs)))
 
     def begin_no_more(self) -> None:
-        """Read no further jobs; allowed while `solve` runs. Those that follow others are solved."""
+        """Read no further jobs; allowed while `solve` runs.
+
+        Jobs that follow others are still solved.
+        """
         self._later = iter(())
 
     def solve(self, jobs: Iterable[Job], stop: Interruption) -> Iterator[Results]:
-        """Yield the replies to all jobs as they come, and an empty list if none come for a while.
+        """Yield the replies to all jobs as they come.
+
+        The list is empty if none come for a while.
 
         Jobs are read when a worker is free. After an interruption the current solves are finished.
         """
@@ -188,7 +219,10 @@ class WorkerPool:
                 yielded_s = monotonic()
 
     def _next_job(self) -> Job | None:
-        """The first waiting job, which stays in the queue; None if there is none."""
+        """The first waiting job, or None.
+
+        The job stays in the queue.
+        """
         if not self._first:
             job = next(self._later, None)
             if job is None:
@@ -197,7 +231,10 @@ class WorkerPool:
         return self._first[0]
 
     def _feed(self) -> Results:
-        """Give jobs to workers; return the reply to the next job if its solver is unloadable."""
+        """Give jobs to workers.
+
+        If the solver of the next job is unloadable, the reply to that job is returned.
+        """
         while (job := self._next_job()) is not None:
             reply = self._unloadable.get(job.solver_key)
             if reply is not None:
@@ -212,10 +249,11 @@ class WorkerPool:
         return []
 
     def _free_worker(self, group: str) -> _Worker | None:
-        """A worker that can take a job of the group, perhaps a new one; None if there is none.
+        """A worker for a group's job, or None.
 
-        Best is an idle worker of the group, then a new process, then one in the place of an idle
-        worker of another group, then the worker of the group that is expected to be free first.
+        The worker may be a new one. Best is an idle worker of the group, then a new process, then
+        one in the place of an idle worker of another group, then the worker of the group that is
+        expected to be free first.
         """
         idle = [worker for worker in self._workers if not worker.pending]
         for worker in idle:
@@ -225,12 +263,12 @@ class WorkerPool:
             self._remove(idle[0])
         if len(self._workers) < self._most_workers:
             return self._start(group)
-        own = [
+        candidates = [
             each
             for each in self._workers
             if each.group == group and len(each.pending) < _AHEAD_JOBS
         ]
-        first = min(own, key=self._expected_left_s, default=None)
+        first = min(candidates, key=self._expected_left_s, default=None)
         if first is None or self._expected_left_s(first) >= AHEAD_S:
             return None
         return first
@@ -245,17 +283,26 @@ class WorkerPool:
         return worker
 
     def _expected_left_s(self, worker: _Worker) -> float:
-        """Seconds after which a worker is expected to have answered all its tasks."""
+        """Seconds until a worker has answered all its tasks.
+
+        The number is an estimate.
+        """
         return sum(map(self._expected_task_s, worker.pending))
 
     def _expected_task_s(self, task: Task) -> float:
-        """Seconds that a task is expected to take; beside one that is no solve no job waits."""
+        """Seconds that a task is expected to take.
+
+        Behind a task that solves no question, no other job waits.
+        """
         if not _solves(task):
             return AHEAD_S
         return self._expected_s.get(task.tag.solver_key, AHEAD_S)
 
     def _give(self, worker: _Worker, job: Job) -> None:
-        """Give a worker a job, and before it the tasks that make the job's solver ready."""
+        """Give a worker a job.
+
+        Before it come the tasks that make the job's solver ready.
+        """
         key = job.solver_key
         limit_s = job.time_limit_s
         if key not in worker.loaded:
@@ -265,25 +312,31 @@ class WorkerPool:
             if self._warm_up and (key, route) not in worker.warmed | self._without_warm_up:
                 worker.warmed.add((key, route))
                 message = [_WARM_UP, *key, route, limit_s, self._probed is not None]
-                activity = f"warming up on a {'route' if route else 'leg'}"
+                activity = "warming up on a route" if route else "warming up on a leg"
                 worker.put(message, Allowance(limit_s + _WARM_UP_S, activity=activity), job)
         message = [_SOLVE, *key, encode_question(job.question), limit_s]
-        worker.put(message, Allowance(limit_s, GRACE_S), job)
+        worker.put(message, Allowance(limit_s, margin_s=GRACE_S), job)
 
     def _answered(self, worker: _Worker, answer: Answered) -> Results:
-        """The job that was answered with its reply, if the task was to solve one."""
+        """The answered job with its reply, if any.
+
+        Tasks that solve no question give none.
+        """
         self._false_starts = 0
-        task, value, _ = answer
+        task = answer.task
         if task.allowance is _PROBING and self._probed is not None:
-            self._probed(value)
+            self._probed(answer.value)
         if not _solves(task):
             return []
-        reply = with_possible_times(decode_reply(value), monotonic() - task.put_s)
+        reply = with_possible_times(decode_reply(answer.value), monotonic() - task.put_s)
         self._expected_s[task.tag.solver_key] = reply.times.wall_s or 0.0
         return [(task.tag, reply)]
 
     def _ended(self, worker: _Worker, ended: Ended) -> Results:
-        """Replace a worker that has ended; return the reply to the job that it was at, if any."""
+        """Replace a worker that has ended.
+
+        The reply to the job that it was solving is returned, if there is one.
+        """
         reply, task = ended
         self._remove(worker)
         if task is None or task.tag is None:
@@ -309,7 +362,7 @@ class WorkerPool:
         return [(task.tag, reply)]
 
     def _remove(self, worker: _Worker) -> None:
-        """End a worker; put its unanswered jobs back in the queue."""
+        """End a worker; put back its unanswered jobs."""
         self._workers.remove(worker)
         worker.close()
         tasks = worker.pending

@@ -1,4 +1,6 @@
-"""The limits that a worker process sets itself, and the state that all its solves share.
+"""Limits of a worker process, and its shared state.
+
+The process sets the limits itself; all its solves share the state.
 
 If a plug-in's solve changes the state, the worker ends. The state is not restored instead: a part
 that we forget to restore would affect later answers. Our own solvers are not watched in a run:
@@ -32,21 +34,26 @@ ONE_THREAD = dict.fromkeys(
     (f"{library}_NUM_THREADS" for library in ("OMP", "OPENBLAS", "MKL")), str(THREADS)
 )
 # Bytes beyond the memory limit at which a solver's own allocations fail. The pool checks the limit
-# every few hundredths of a second; the margin is for what a solver takes between two checks.
+# every few hundredths of a second; a solver may take more memory between two checks.
 _MARGIN_BYTES = 512 * 2**20
 # Seed of the global random generators before every solve, so that a solve can be repeated.
 SEED = 0
 
 _SIGNALS = [s for s in signal.Signals if s not in (signal.SIGKILL, signal.SIGSTOP)]
-# Share of the memory limit that solves may leave allocated, and number of files that they may leave
-# open.
-_MAX_LEAK_SHARE, _MAX_OPEN_FILES = 0.25, 64
+# Share of the memory limit that solves may leave allocated.
+_MAX_LEAK_SHARE = 0.25
+# Number of files that solves may leave open.
+_MAX_OPEN_FILES = 64
 # Functions that a solver must not replace.
 _clocks = attrgetter("time", "monotonic", "perf_counter", "process_time", "perf_counter_ns")
 
 
 def bound_process(memory_bytes: int) -> None:
-    """Make allocations fail far beyond a limit, write no core dumps, use one thread a library."""
+    """Limit this process: memory, core dumps and threads.
+
+    Allocations fail far beyond the memory limit, no core dumps are written, and each library uses
+    one thread.
+    """
     bounds = [memory_bytes + _MARGIN_BYTES, *resource.getrlimit(resource.RLIMIT_DATA)]
     soft = min(bound for bound in bounds if bound != resource.RLIM_INFINITY)
     resource.setrlimit(resource.RLIMIT_DATA, (soft, bounds[-1]))
@@ -57,7 +64,10 @@ def bound_process(memory_bytes: int) -> None:
 
 
 def _state() -> dict[str, Any]:
-    """What libraries change for the whole process, but for their thread counts."""
+    """The state that libraries change in a process.
+
+    It holds all but their thread counts.
+    """
     return {
         "working directory": os.getcwd(),  # noqa: PTH109
         "environment variables": os.environ.copy(),
@@ -79,7 +89,10 @@ def _state() -> dict[str, Any]:
 
 
 def _file(number: int) -> tuple[int, int] | None:
-    """Device number and inode of the file that a descriptor refers to; None if it is closed."""
+    """Device and inode of a descriptor's file, or None.
+
+    It is None if the descriptor is closed.
+    """
     with suppress(OSError):
         status = os.fstat(number)
         return status.st_dev, status.st_ino
@@ -93,22 +106,29 @@ def seed() -> None:
 
 
 class ProcessState:
-    """Detects whether a solve has changed the state of this process since `accept`."""
+    """Detects changes of this process since `accept`."""
 
     def __init__(self, memory_limit: float):
         self._max_leak = _MAX_LEAK_SHARE * memory_limit
         self._process = psutil.Process()
-        self._modules, self._libraries = 0, ThreadpoolController()
+        self._modules = 0
+        self._libraries = ThreadpoolController()
         self.accept()
 
     def accept(self) -> None:
-        """Accept the current state, with the changes that a solver's libraries made at loading."""
+        """Accept the current state of the process.
+
+        It has the changes that a solver's libraries made at loading.
+        """
         self._pin_new_libraries()
         self._accepted = _state()
         self._resident, self._files = self._leakable()
 
     def changes(self) -> list[str]:
-        """What differs from the accepted state, by name; empty if nothing does."""
+        """Names of the state that differs from the accepted.
+
+        Empty if nothing differs.
+        """
         try:
             state = _state()
         except Exception:  # e.g. the working directory was removed
@@ -120,14 +140,18 @@ class ProcessState:
         return ["memory or files"] if self._leaks() else []
 
     def _pin_new_libraries(self) -> None:
-        """Limit the libraries that were loaded since the last call to one thread."""
+        """Limit newly loaded libraries to one thread.
+
+        They are those that were loaded since the last call.
+        """
         if self._modules != len(sys.modules):
-            self._modules, self._libraries = len(sys.modules), ThreadpoolController()
+            self._modules = len(sys.modules)
+            self._libraries = ThreadpoolController()
             self._libraries.limit(limits=THREADS)
 
     def _threads_changed(self) -> bool:
-        known = self._libraries.lib_controllers
-        changed = any((library.num_threads or THREADS) != THREADS for library in known)
+        libraries = self._libraries.lib_controllers
+        changed = any((library.num_threads or THREADS) != THREADS for library in libraries)
         self._pin_new_libraries()  # only now: a library that the solve loaded may use any number
         return changed
 
@@ -136,14 +160,20 @@ class ProcessState:
         return resident - self._resident > self._max_leak or files - self._files > _MAX_OPEN_FILES
 
     def _leakable(self) -> tuple[int, int]:
-        """Resident bytes and number of open files of this process; zeros if no file can be read."""
+        """Resident bytes and open files of this process.
+
+        Both are 0 if no file can be read.
+        """
         with suppress(OSError):
             return self._process.memory_info().rss, self._process.num_fds()
         return 0, 0
 
 
 def peak_kib(*, reset: bool = False) -> int:
-    """The most resident memory since the last reset (KiB); 0 where it cannot be known (Linux)."""
+    """Peak of resident memory since the last reset (KiB).
+
+    It is 0 on systems other than Linux, where it cannot be known.
+    """
     with suppress(OSError):
         if reset:
             FilePath("/proc/self/clear_refs").write_bytes(b"5")

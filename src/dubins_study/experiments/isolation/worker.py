@@ -1,4 +1,7 @@
-"""The code in a worker process: put questions to solvers, and send their replies back."""
+"""The code in a worker process.
+
+It puts questions to solvers, and sends their replies back.
+"""
 
 from __future__ import annotations
 
@@ -30,7 +33,9 @@ from dubins_study.study.words import VIA_POINTS, Outcome
 
 # Size of the calibration probe, half of it plain Python and half numpy on small arrays: loops,
 # operations on arrays, repeats.
-_LOOPS, _ARRAYS, _REPEATS = 9000, 300, 3
+_LOOPS = 9000
+_ARRAYS = 300
+_REPEATS = 3
 _KIB_PER_MIB = 2**10
 # Easy question that every solver is asked once before its first recorded answer.
 _WARM_UP = Scenario(x=0, y=0, heading=0.3, target_x=3, target_y=2, radius=1, label="warm-up")
@@ -39,12 +44,16 @@ _WARM_UP_ROUTE_S = 2.0  # a proof of two legs may take longer
 
 
 def answer_tasks(channel: Channel, handle: Callable[[list[Any]], tuple[Any, bool]]) -> None:
-    """Say that this process is ready, and answer tasks until the channel is closed.
+    """Answer tasks until the channel is closed.
+
+    At first, say that this process is ready.
 
     An answer is what `handle` returns: a value that JSON can hold, and whether the process must be
     replaced. A worker that had to wait says that it begins its next task.
     """
-    process, value, changed = os.getpid(), None, False
+    process = os.getpid()
+    value = None
+    changed = False
     while True:
         channel.put([value, changed])
         channel.flush()
@@ -74,7 +83,7 @@ class _LoadedSolver(NamedTuple):
 
 
 class _Worker:
-    """The loaded solvers, and the state of the process that they share."""
+    """The loaded solvers and their process's state."""
 
     def __init__(self, memory_limit: float):
         self._solvers: dict[tuple[str, str], _LoadedSolver] = {}
@@ -83,7 +92,10 @@ class _Worker:
         self._state = ProcessState(memory_limit)
 
     def handle(self, task: list[Any]) -> tuple[Any, bool]:
-        """The answer to a task, and whether a plug-in has changed the process."""
+        """Answer to a task, and whether the process changed.
+
+        Only changes by a plug-in count.
+        """
         kind, *arguments = task
         if kind == "probe":
             return probe(), False
@@ -93,7 +105,10 @@ class _Worker:
         return None, False
 
     def _prepare(self, spec: str, profile: str, *warm_up: Any) -> None:
-        """Load a solver, or warm up one that is loaded; remember why it cannot be asked."""
+        """Load a solver, or warm up a loaded one.
+
+        If this fails, the reason is the reply to its questions.
+        """
         key = spec, profile
         if key not in self._refused:
             try:
@@ -106,7 +121,10 @@ class _Worker:
     def _solve(
         self, spec: str, profile: str, question: list[Any], time_limit: float
     ) -> tuple[list[Any], bool]:
-        """The encoded reply to a question, and whether a plug-in has changed the process."""
+        """Encoded reply, and whether the process changed.
+
+        Only changes by a plug-in count.
+        """
         key = spec, profile
         reply = self._refused.get(key)
         if reply is None:
@@ -119,14 +137,17 @@ class _Worker:
 
 
 def _failure(error: BaseException, spec: str, profile: str) -> Reply:
-    """The reply of a solver that raised where it was not asked."""
+    """The reply of a solver that raised outside `ask`."""
     outcome = Outcome.OUT_OF_MEMORY if isinstance(error, MemoryError) else Outcome.RAISED
     reply = no_answer(outcome, exception_text(error))
     return reply._replace(started=now(), code_digest=_digest(spec, profile))
 
 
 def _digest(spec: str, profile: str) -> str:
-    """The digest of a solver's code, or nothing of one that is too broken to have one."""
+    """The digest of a solver's code.
+
+    It is empty if the solver is too broken to have one.
+    """
     try:
         return code_digest(spec, profile)
     except BaseException:  # of a plug-in
@@ -140,9 +161,13 @@ def _load(spec: str, profile: str) -> _LoadedSolver:
 
 
 def _warmed_up(loaded: _LoadedSolver, route: bool, limit: float, floors: bool) -> _LoadedSolver:
-    """Ask an easy question, so that imports and caches are ready; measure the floor of a leg."""
+    """Ask an easy question; measure a leg's floor.
+
+    After that, imports and caches are ready.
+    """
     seed()
-    solver, branch = loaded.solver, loaded.solver.branches[0]
+    solver = loaded.solver
+    branch = solver.branches[0]
     if not route:
         ask(solver, Question(_WARM_UP, branch), limit)
     elif VIA_POINTS in solver.takes:
@@ -155,23 +180,31 @@ def _warmed_up(loaded: _LoadedSolver, route: bool, limit: float, floors: bool) -
 
 
 def _reply(loaded: _LoadedSolver, encoded: list[Any], time_limit: float) -> Reply:
-    """The reply to a question, with what its row records of the solve."""
+    """The reply to a question.
+
+    It has all that its row records of the solve.
+    """
     question = decode_question(encoded)
     seed()
-    before, started = peak_kib(reset=True), now()
+    before = peak_kib(reset=True)
+    started = now()
     reply = ask(loaded.solver, question, time_limit)
     peak = peak_kib() if before else 0
+    memory_mib = (peak - before) / _KIB_PER_MIB if peak else None
     return reply._replace(
         started=started,
         versions=loaded.versions,
         code_digest=loaded.code_digest,
-        memory_mib=(peak - before) / _KIB_PER_MIB if peak else None,
+        memory_mib=memory_mib,
         floor_s=loaded.floor_s,
     )
 
 
 def probe() -> float:
-    """Duration (s) of a millisecond of work in this process, the shortest of three repeats."""
+    """Seconds that a millisecond of work takes here.
+
+    The shortest of three repeats counts.
+    """
     return min(timeit.repeat(_probe_work, number=1, repeat=_REPEATS))
 
 

@@ -1,4 +1,6 @@
-"""A worker process from its owner's side: tasks go in, answers come back, limits end it.
+"""A worker process from its owner's side.
+
+Tasks go in, answers come back, limits end it.
 
 A worker answers its tasks in order. Its current task is therefore the first one that it has not
 answered: it began when the answer before it arrived, or when the worker woke up for it.
@@ -22,25 +24,30 @@ from dubins_study.experiments.isolation.fork_server import fork
 from dubins_study.study.rows.schema import Times
 from dubins_study.study.words import Outcome
 
-# Seconds between two checks of the limits. The memory of a worker's children is read at every tenth
-# check only: listing them takes milliseconds if many processes run.
-POLL_INTERVAL_S, _CHECKS_PER_CHILDREN_CHECK = 0.02, 10
+# Seconds between two checks of the limits.
+POLL_INTERVAL_S = 0.02
+# The memory of a worker's children is read at every tenth check only: listing them takes
+# milliseconds if many processes run.
+_CHECKS_PER_CHILDREN_CHECK = 10
 # Seconds within which an idle worker must begin its next task.
 _STALL_S = 10.0
 # Seconds that count at most between two checks. In a longer pause the run was suspended.
 _MAX_PAUSE_S = 1.0
-# Length of the last output that is kept, in bytes, and that a message shows, in characters.
-_OUTPUT_BYTES, _OUTPUT_CHARS = 400, 200
+_OUTPUT_BYTES = 400  # length of the last output that is kept
+_OUTPUT_CHARS = 200  # length of the last output that a message shows
 _READ_BYTES = 2**20
 _GIB = 2**30
 
 
 class Allowance(NamedTuple):
-    """The seconds that a task may take, and a margin for what is no part of the limit."""
+    """Seconds that a task may take, with a margin.
+
+    The margin is for time that is no part of the limit.
+    """
 
     limit_s: float
     margin_s: float = 0.0
-    activity: str = ""  # what the worker does, where the limit is not the caller's
+    activity: str = ""  # the worker's activity, if the limit is not the caller's
 
 
 _STARTING = Allowance(60.0, activity="starting a worker")
@@ -48,7 +55,10 @@ _WAKING = Allowance(_STALL_S, activity="waiting for it to begin")
 
 
 class Task(NamedTuple):
-    """A task that a worker has received, with any object of the caller's as `tag`."""
+    """A task that a worker has received.
+
+    The caller may attach any object as `tag`.
+    """
 
     message: list[Any]
     allowance: Allowance
@@ -65,24 +75,32 @@ class Answered(NamedTuple):
 
 
 class Ended(NamedTuple):
-    """The end of a worker: the reply to the task that it was at, if it had begun one."""
+    """The end of a worker.
+
+    The reply is to the task that it had begun, if there was one.
+    """
 
     reply: Reply
     task: Task | None
 
 
 class WorkerProcess:
-    """A process that answers tasks (see `worker.answer_tasks`) until it is closed."""
+    """A process that answers tasks until it is closed.
+
+    See `worker.answer_tasks`.
+    """
 
     def __init__(self, function: str, arguments: list[Any], memory_bytes: int):
         self._process = fork(function, arguments)
         self._memory_bytes = memory_bytes
-        self._checked_s, self._checks = monotonic(), 0
+        self._checked_s = monotonic()
+        self._checks = 0
         # The tasks that it has received but not answered, in order.
         self.pending = deque([Task([], _STARTING, self._checked_s)])
         self.closed = False
         # Whether the current task has begun, and since when it runs, or waits for the worker.
-        self._begun, self._since_s = True, self._checked_s
+        self._begun = True
+        self._since_s = self._checked_s
         self._output = b""
         self._open = {self._process.channel.line.fileno(), self._process.output}
 
@@ -90,12 +108,16 @@ class WorkerProcess:
         """Add a task; `wait` sends it."""
         now_s = monotonic()
         if not self.pending:
-            self._begun, self._since_s = False, now_s
+            self._begun = False
+            self._since_s = now_s
         self.pending.append(Task(message, allowance, now_s, tag))
         self._process.channel.put(message)
 
     def request(self, message: list[Any], allowance: Allowance) -> Answered | Ended:
-        """Put one task and wait for its answer, or for the end of the worker."""
+        """Put one task and wait for its answer.
+
+        The end of the worker ends the wait too.
+        """
         self._read_output()
         self._output = b""
         self.put(message, allowance)
@@ -106,18 +128,24 @@ class WorkerProcess:
                     return event
 
     def register(self, poll: select.poll) -> None:
-        """Send as much as the socket takes, and add the worker's descriptors to a poll."""
-        sent = True
+        """Send what the socket takes, and register for polling.
+
+        All descriptors of the worker are added to the poll.
+        """
+        all_sent = True
         with suppress(OSError):  # the worker has ended; its exit pipe shows this
-            sent = self._process.channel.flush()
+            all_sent = self._process.channel.flush()
         poll.register(self._process.exit_pipe, select.POLLIN)
         for source in self._open:
             poll.register(source, select.POLLIN)
-        if not sent:  # the rest of a long message is sent once the worker has read more
+        if not all_sent:  # the rest of a long message is sent once the worker has read more
             poll.register(self._process.channel.line, select.POLLIN | select.POLLOUT)
 
     def events(self, ready: set[int]) -> Iterator[Answered | Ended]:
-        """The answers that have arrived, and the end of a worker that ends or breaks a limit."""
+        """Answers that have arrived, and the worker's end.
+
+        A worker that breaks a limit is ended here.
+        """
         if self._process.output in ready:
             self._read_output()
         ended = self._process.exit_pipe in ready
@@ -156,11 +184,15 @@ class WorkerProcess:
             self._open.discard(self._process.channel.line.fileno())
 
     def _broken_limit(self) -> Reply | None:
-        """The reply to the current task if the worker breaks the limit of time or of memory."""
+        """The reply if a limit is broken, or None.
+
+        The limits are those of time and of memory; the reply is to the current task.
+        """
         now_s = monotonic()
         suspended_s = max(0.0, now_s - self._checked_s - _MAX_PAUSE_S)
         self._since_s = min(self._since_s + suspended_s, now_s)
-        self._checked_s, self._checks = now_s, self._checks + 1
+        self._checked_s = now_s
+        self._checks += 1
         seconds = now_s - self._since_s
         if self.pending:
             allowance = self.pending[0].allowance if self._begun else _WAKING
@@ -181,12 +213,16 @@ class WorkerProcess:
         return no_answer(Outcome.OUT_OF_MEMORY, message, Times(wall_s=seconds))
 
     def _crash_reply(self) -> Reply:
-        """The reply to the task of a worker that has ended: its exit status and last output."""
+        """The reply to the task of an ended worker.
+
+        It tells the exit status and the last output.
+        """
         code = self._process.exit_code()
-        status, message = f"exit {code}", f"its process ended itself with code {code}"
+        status = f"exit {code}"
+        message = f"its process ended itself with code {code}"
         if code < 0:
-            known = -code in {*signal.Signals}
-            status = signal.Signals(-code).name if known else f"signal {-code}"
+            has_name = -code in {*signal.Signals}
+            status = signal.Signals(-code).name if has_name else f"signal {-code}"
             message = f"its process was ended by {status}"
         output = self.last_output()
         if output:
@@ -197,7 +233,7 @@ class WorkerProcess:
         return no_answer(outcome, message, status=status)
 
     def last_output(self) -> str:
-        """The end of what the worker has printed."""
+        """The end of the worker's output."""
         if not self.closed:
             self._read_output()
         return " ".join(self._output.decode("utf-8", "replace").split())[-_OUTPUT_CHARS:]
@@ -226,7 +262,7 @@ _AnyWorker = TypeVar("_AnyWorker", bound=WorkerProcess)
 def wait(
     workers: Sequence[_AnyWorker], timeout_s: float
 ) -> Iterator[tuple[_AnyWorker, Answered | Ended]]:
-    """Wait until something arrives or `timeout_s` is over; yield all that has happened."""
+    """Wait for events, at most `timeout_s`; yield all."""
     poll = select.poll()
     for worker in workers:
         worker.register(poll)
@@ -237,7 +273,10 @@ def wait(
 
 
 def _used_bytes(pid: int, limit: float, *, with_children: bool) -> int:
-    """Bytes of memory that a process uses, optionally with its descendants; 0 if it has ended."""
+    """Bytes of memory that a process uses.
+
+    Its descendants are included `with_children`. If it has ended, the number is 0.
+    """
     try:
         process = psutil.Process(pid)
         family = [process, *process.children(recursive=True)] if with_children else [process]

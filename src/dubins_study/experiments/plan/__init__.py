@@ -1,1 +1,4 @@
-"""Which cells an experiment has, of which solvers, with which code digest."""
+"""The cells of an experiment.
+
+A cell has a question, a solver and the digest of its code.
+"""

@@ -1,10 +1,13 @@
-"""The cells of an experiment: one solver, one question, one repeat each."""
+"""The cells of an experiment.
+
+Each has one solver, one question and one repeat.
+"""
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Iterator, Sequence
-from itertools import product
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -33,7 +36,7 @@ MOST_CELLS = 2_000_000
 
 
 class BlockPlan(NamedTuple):
-    """What an experiment asks about the scenarios of one block."""
+    """The questions about the scenarios of one block."""
 
     path: KeyPath  # of the block's key in the experiment's file
     block: Block
@@ -50,49 +53,61 @@ class BlockPlan(NamedTuple):
 
     @property
     def cells(self) -> int:
-        """How many cells the block has, without those that other blocks share with it."""
+        """Number of cells of the block.
+
+        Cells that another block also asks for are included.
+        """
         guesses = sum(map(self.guess_count, self.solvers))
         return block_size(self.block) * len(self.branches) * self.repeats * guesses
 
     def guess_axes(self, solver: SolverDescription) -> Sequence[Sequence[Any]]:
-        """The values whose combinations are a solver's guesses: `cold`, `warm`, or z1, z2, z3."""
+        """Values whose combinations are a solver's guesses.
+
+        They are `cold`, `warm`, or z1, z2, z3.
+        """
         lengths = self.block.guess_lengths
         if lengths is not None:
             return lengths.axes if solver.warm else [[]]
         return [[guess for guess in self.initial_guesses if solver.warm or guess == "cold"]]
 
     def guess_count(self, solver: SolverDescription) -> int:
-        """Number of initial guesses from which a solver is asked each question."""
+        """Number of initial guesses of a solver.
+
+        Each question is asked once from each of them.
+        """
         return math.prod(map(len, self.guess_axes(solver)))
 
 
 def block_plans(
     experiment: Experiment, file: str = "the experiment", text: str = ""
 ) -> list[BlockPlan]:
-    """The plans of all blocks; solvers that take no guess, and too many cells, are refused."""
+    """The plans of all blocks.
+
+    Solvers that take no guess, and too many cells, are refused.
+    """
     plans: list[BlockPlan] = []
     problems: list[Problem] = []
     for number, block in enumerate(experiment.blocks):
         path: KeyPath = ("scenarios", number) if number < len(experiment.scenarios) else ("first",)
         profile = experiment.profile
-        named = block.solvers or experiment.solvers
-        specs = expand_solvers(named, profile)
+        patterns = block.solvers or experiment.solvers
+        specs = expand_solvers(patterns, profile)
         plan = BlockPlan(
             path,
             block,
-            tuple(block.branches or experiment.branches),
-            tuple(experiment.initial_guesses),
-            experiment.repeats,
-            block.time_limit_s or experiment.time_limit_s,
-            tuple(describe_solver(spec, profile) for spec in specs),
+            branches=tuple(block.branches or experiment.branches),
+            initial_guesses=tuple(experiment.initial_guesses),
+            repeats=experiment.repeats,
+            time_limit_s=block.time_limit_s or experiment.time_limit_s,
+            solvers=tuple(describe_solver(spec, profile) for spec in specs),
         )
         cold = [solver.spec for solver in plan.solvers if not solver.warm]
-        if block.guess_lengths is not None and cold and "*" not in named:
+        if block.guess_lengths is not None and cold and "*" not in patterns:
             sentence = f"{plan.key}: {cold[0]} takes no initial guess"
             problems.append(Problem(path, f"{sentence}; expected only solvers that do, or *"))
         plans.append(plan)
     total = sum(plan.cells for plan in plans)
-    if total > MOST_CELLS:  # told before it is expanded, since it may be too large for the memory
+    if total > MOST_CELLS:  # refused before cells are listed: memory may not hold them
         sentence = f"{total} cells (a cell for every scenario, solver, branch, initial guess and"
         problems.append(Problem((), f"{sentence} repeat); expected at most {MOST_CELLS}"))
     if problems:
@@ -101,22 +116,30 @@ def block_plans(
 
 
 def overview(file: ExperimentFile) -> dict[str, Any]:
-    """An experiment in numbers; its scenarios count once for every block that asks about them."""
+    """An experiment in numbers.
+
+    A scenario counts once for every block that asks about it.
+    """
     experiment = file.experiment
     plans = block_plans(experiment, file.path, file.text)
     keys = {"title", "question", "repeats", "time_limit_s", "memory_limit_gib", "profile"}
+    solvers = itertools.chain.from_iterable(plan.solvers for plan in plans)
+    branches = itertools.chain.from_iterable(plan.branches for plan in plans)
     return {
         "name": file.name,
         **experiment.model_dump(include=keys),
         "scenarios": sum(block_size(block) for block in experiment.scenarios),
         "cells": sum(plan.cells for plan in plans),
-        "solvers": [*dict.fromkeys(solver.spec for p in plans for solver in p.solvers)],
-        "branches": [*dict.fromkeys(branch for p in plans for branch in p.branches)],
+        "solvers": [*dict.fromkeys(solver.spec for solver in solvers)],
+        "branches": [*dict.fromkeys(branches)],
     }
 
 
 class Cell(NamedTuple):
-    """One question to one solver; all fields up to the code digest form the key of its row."""
+    """One question to one solver.
+
+    All fields up to the code digest form the key of its row.
+    """
 
     scenario_id: str
     solver: str
@@ -144,16 +167,16 @@ Chain = tuple[Cell, ...]
 
 
 def chains(experiment: Experiment, file: str = "the experiment", text: str = "") -> list[Chain]:
-    """All cells of an experiment in the order of its file, grouped into chains.
+    """The chains of an experiment, in its file's order.
 
-    A cell that several blocks ask for is listed once. Blocks that are not valid are refused
-    together, by their lines in the file's text.
+    They hold all its cells. A cell that several blocks ask for is listed once. Blocks that are not
+    valid are refused together, by their lines in the file's text.
     """
     problems: list[Problem] = []
     unique: dict[tuple[Key, ...], Chain] = {}
     sweeps: dict[Key, str] = {}  # warm cell -> the block whose sweep it is in
     for plan in block_plans(experiment, file, text):
-        if problems and plan.path == ("first",):  # whose problems are those of others
+        if problems and plan.path == ("first",):  # its problems are those of other blocks
             continue
         try:
             for chain in _block_chains(plan, experiment.profile):
@@ -178,11 +201,23 @@ def _block_chains(plan: BlockPlan, profile: str) -> Iterator[Chain]:
     block_scenarios = asked_scenarios(plan.block, plan.key, plan.branches)
     ids = [scenario_id(scenario) for scenario in block_scenarios]
     for solver in solvers:
-        guesses = [" ".join(map(str, each)) for each in product(*plan.guess_axes(solver))]
-        for branch, repeat, guess in product(plan.branches, range(plan.repeats), guesses):
-            digest, known = solver.code_digest, (solver.method, plan.time_limit_s)
+        combinations = itertools.product(*plan.guess_axes(solver))
+        guesses = [" ".join(map(str, each)) for each in combinations]
+        repeats = range(plan.repeats)
+        for branch, repeat, guess in itertools.product(plan.branches, repeats, guesses):
             cells = (
-                Cell(id_, solver.spec, profile, branch, guess, repeat, digest, scenario, *known)
+                Cell(
+                    scenario_id=id_,
+                    solver=solver.spec,
+                    profile=profile,
+                    branch=branch,
+                    initial_guess=guess,
+                    repeat=repeat,
+                    code_digest=solver.code_digest,
+                    scenario=scenario,
+                    method=solver.method,
+                    time_limit_s=plan.time_limit_s,
+                )
                 for id_, scenario in zip(ids, block_scenarios, strict=True)
             )
             if guess == "warm":
@@ -192,7 +227,10 @@ def _block_chains(plan: BlockPlan, profile: str) -> Iterator[Chain]:
 
 
 def _add_sweep(sweeps: dict[Key, str], keys: tuple[Key, ...], block_key: str) -> None:
-    """Note the cells of a warm sweep; each has one predecessor, so it may be in one sweep only."""
+    """Note the cells of a warm sweep.
+
+    Each has one predecessor, so it may be in one sweep only.
+    """
     for place, key in enumerate(keys):
         other = "itself" if key in keys[:place] else sweeps.get(key)
         if other is not None:
@@ -204,9 +242,10 @@ def _add_sweep(sweeps: dict[Key, str], keys: tuple[Key, ...], block_key: str) ->
 
 
 def given_guess(cell: Cell) -> Path | None:
-    """The path whose lengths the cell's `initial_guess` holds; None for `cold` and `warm`.
+    """The path that a cell's `initial_guess` gives.
 
-    It begins with the start heading; where that is free, there is none.
+    The guess holds the path's lengths; for `cold` and `warm` there is no path. The path begins with
+    the start heading. If that is free, there is no path either.
     """
     if cell.initial_guess in ("cold", "warm") or cell.scenario.heading is None:
         return None
@@ -216,6 +255,9 @@ def given_guess(cell: Cell) -> Path | None:
 
 
 def shuffled(chain_list: list[Chain], seed: int) -> list[Chain]:
-    """The chains in a drawn order: if the machine is slow for a while, all solvers share that."""
+    """The chains in a random order.
+
+    If the machine is slow for a while, all solvers share that.
+    """
     order = np.random.default_rng(seed).permutation(len(chain_list))
     return [chain_list[i] for i in order]

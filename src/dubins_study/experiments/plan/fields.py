@@ -1,7 +1,9 @@
-"""Points as fields of work give them, beside random ones: the laws of `field`.
+"""Points as fields of work give them.
 
-A law takes a generator and a number n of steps, and returns n + 1 points, the start first, in the
-order in which they would be flown; shape (n + 1, 2). Its unit is the distance that a block asks
+They are the laws of `field`, beside random points.
+
+A law takes a generator and a number n of steps. It returns n + 1 points, shape (n + 1, 2), in the
+order in which they would be flown, the start first. Its unit is the distance that a block asks
 for. The generator turns the whole field, so that none lies along an axis.
 """
 
@@ -18,14 +20,18 @@ from dubins_study.study.arrays import FloatArray
 _BLOB = 0.3  # units; the standard deviation of a cluster
 _NOISE = 0.1  # units; that of a GPS fix
 _TURNING = 0.3  # rad; that of the change of a track's turn from one fix to the next
-_KEPT = 0.8  # share of its turn that a track keeps until the next fix
+_TURN_SHARE = 0.8  # share of its turn that a track keeps until the next fix
 
 
 def field_points(field: str, rng: np.random.Generator, steps: int, unit: float) -> FloatArray:
-    """The points of a field after its start, from there; shape (steps, 2), in the unit's unit."""
+    """The points of a field, relative to its start.
+
+    The start is left out. Shape (steps, 2), in the unit of `unit`.
+    """
     points = _LAWS[field](rng, steps)
     turn = TWO_PI * float(rng.random())
-    cos, sin = math.cos(turn), math.sin(turn)
+    cos = math.cos(turn)
+    sin = math.sin(turn)
     away = points[1:] - points[0]
     x = away[:, 0] * cos - away[:, 1] * sin
     y = away[:, 0] * sin + away[:, 1] * cos
@@ -33,9 +39,10 @@ def field_points(field: str, rng: np.random.Generator, steps: int, unit: float) 
 
 
 def _clusters(rng: np.random.Generator, steps: int) -> FloatArray:
-    """Gaussian blobs about sqrt(n) centres of a square of side sqrt(n), one blob after another.
+    """Gaussian blobs in a square, one after another.
 
-    Johnson and McGeoch 2007, clustered instances of the DIMACS challenge.
+    There are about sqrt(n) centres; the square has a side of sqrt(n). Johnson and McGeoch 2007,
+    clustered instances of the DIMACS challenge.
     """
     side = math.sqrt(steps + 1)
     centres = side * rng.random((max(round(side), 1), 2))
@@ -45,9 +52,10 @@ def _clusters(rng: np.random.Generator, steps: int) -> FloatArray:
 
 
 def _survey_rows(rng: np.random.Generator, steps: int) -> FloatArray:
-    """Rows that are flown back and forth; a unit from point to point, half to one between rows.
+    """Rows that are flown back and forth.
 
-    Choset and Pignon 1998, boustrophedon decomposition.
+    Points of a row are one unit apart, rows half a unit to one unit. Choset and Pignon 1998,
+    boustrophedon decomposition.
     """
     a_row = int(rng.integers(2, 2 + max(round(2 * math.sqrt(steps)), 1)))
     between = 0.5 + 0.5 * float(rng.random())
@@ -57,9 +65,10 @@ def _survey_rows(rng: np.random.Generator, steps: int) -> FloatArray:
 
 
 def _roads(rng: np.random.Generator, steps: int) -> FloatArray:
-    """Addresses along a drive through streets a unit apart, one on each block.
+    """Addresses along a drive, one on each block.
 
-    At a crossing the drive goes straight on half of the time, else to the left or the right.
+    The streets are one unit apart. At a crossing the drive goes straight on half of the time, else
+    to the left or the right.
     """
     sides = np.cumsum(rng.choice([0, 0, 1, -1], size=steps + 1)) % 4
     directions = np.array([(1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0)])[sides]
@@ -69,13 +78,16 @@ def _roads(rng: np.random.Generator, steps: int) -> FloatArray:
 
 
 def _gps(rng: np.random.Generator, steps: int) -> FloatArray:
-    """Noisy fixes of a smooth track, a unit apart, whose turn wanders and fades."""
+    """Noisy fixes of a smooth track.
+
+    They are one unit apart. The turn of the track wanders and fades.
+    """
     turn = 0.0
     heading = 0.0
     x = y = 0.0
     track = [(x, y)]
     for change in rng.standard_normal(steps).tolist():
-        turn = _KEPT * turn + _TURNING * change
+        turn = _TURN_SHARE * turn + _TURNING * change
         heading += turn
         x += math.cos(heading)
         y += math.sin(heading)

@@ -14,7 +14,10 @@ from dubins_study.study.scenario import Scenario
 
 
 class Asked(NamedTuple):
-    """A scenario, the branch that is asked for, and the longest time limit that it is given."""
+    """A scenario, a branch and a time limit.
+
+    The limit is the longest that any block gives the question.
+    """
 
     scenario: Scenario
     branch: str
@@ -22,30 +25,33 @@ class Asked(NamedTuple):
 
 
 def asked_scenarios(block: Block, key: str, branches: Sequence[str]) -> list[Scenario]:
-    """The scenarios of a block; one that cannot have a branch is named by the block's key."""
-    asked = list(scenarios(block, key))
-    for place, scenario in enumerate(asked):
+    """The scenarios of a block, checked for branches.
+
+    One that cannot have a branch is named by the block's key.
+    """
+    block_scenarios = list(scenarios(block, key))
+    for place, scenario in enumerate(block_scenarios):
         for branch in branches:
             try:
                 check_branch(scenario, branch)
             except QuestionError as error:
                 raise ExperimentError(f"{key}, scenario {place}: {error}") from None
-    return asked
+    return block_scenarios
 
 
 def questions(experiment: Experiment) -> dict[str, Asked]:
-    """The questions by their ids, in the order of the experiment's file.
+    """The questions by id, in the file's order.
 
     The id is that of the scenario and the branch, such as `0123456789abcdef-best`: it follows from
     what is asked, not from its place in the file.
     """
-    asked: dict[str, Asked] = {}
+    by_id: dict[str, Asked] = {}
     for number, block in enumerate(experiment.scenarios):
         branches = block.branches or experiment.branches
         limit = block.time_limit_s or experiment.time_limit_s
         every = asked_scenarios(block, f"scenarios.{number}", branches)
         for scenario, branch in product(every, branches):
             id_ = f"{scenario_id(scenario)}-{branch}"
-            earlier = asked.get(id_, Asked(scenario, branch, limit))
-            asked[id_] = earlier._replace(time_limit_s=max(limit, earlier.time_limit_s))
-    return asked
+            earlier = by_id.get(id_, Asked(scenario, branch, limit))
+            by_id[id_] = earlier._replace(time_limit_s=max(limit, earlier.time_limit_s))
+    return by_id

@@ -1,8 +1,9 @@
-"""Check a request, and list the cells of its run."""
+"""Check a request, and list its run's cells."""
 
 from __future__ import annotations
 
 import hashlib
+import itertools
 import logging
 import shlex
 from collections.abc import Iterable, Mapping
@@ -49,7 +50,10 @@ _ARGUMENTS = {
 
 
 class RunSettings(NamedTuple):
-    """The settings of one run, the same for all its cells and rows."""
+    """The settings of one run.
+
+    They are the same for all its cells and rows.
+    """
 
     run_id: str
     time_limit_s: float  # of one solve
@@ -60,7 +64,10 @@ class RunSettings(NamedTuple):
 
 
 class Request(NamedTuple):
-    """The arguments of `experiments.run.run`; None means the value in the experiment's file."""
+    """The arguments of `experiments.run.run`.
+
+    None means the value in the experiment's file.
+    """
 
     experiment: str | FilePath | None = None
     out: str | FilePath | None = None
@@ -76,7 +83,10 @@ class Request(NamedTuple):
     scenarios: str | FilePath | None = None
 
     def command(self) -> str:
-        """The command line that asks for the same rows, without folder and address."""
+        """The command line that asks for these rows.
+
+        Folder and address are left out.
+        """
         arguments = ["dubins-study", "run"]
         if self.experiment is not None:
             arguments.append(str(self.experiment))
@@ -98,9 +108,12 @@ class Request(NamedTuple):
         return shlex.join(arguments)
 
     def check(self) -> None:
-        """Refuse arguments that are no experiment, no number of jobs, or do not go together."""
-        name, listed, jobs = self.experiment, self.scenarios, self.jobs
-        executor, scheduler = self.executor, self.scheduler
+        """Refuse arguments that are wrong or contradict."""
+        name = self.experiment
+        listed = self.scenarios
+        jobs = self.jobs
+        executor = self.executor
+        scheduler = self.scheduler
         is_name = isinstance(name, str | FilePath)
         problem = None
         if listed is not None and not is_name and self.solvers is None:
@@ -131,7 +144,7 @@ class Request(NamedTuple):
 
 
 class RunPlan(NamedTuple):
-    """Everything that a run has to solve: an experiment as requested, and all its cells."""
+    """An experiment as requested, and all its cells."""
 
     experiment_file: ExperimentFile
     folder: FilePath
@@ -140,16 +153,20 @@ class RunPlan(NamedTuple):
     @property
     def keys(self) -> set[Key]:
         """The keys of all cells."""
-        return {cell.key for chain in self.chains for cell in chain}
+        return {cell.key for cell in itertools.chain.from_iterable(self.chains)}
 
     @property
     def solver_specs(self) -> list[str]:
         """The canonical specs of all solvers, each once."""
-        return list(dict.fromkeys(cell.solver for chain in self.chains for cell in chain))
+        cells = itertools.chain.from_iterable(self.chains)
+        return list(dict.fromkeys(cell.solver for cell in cells))
 
 
 def plan_run(request: Request) -> RunPlan:
-    """The cells that a request asks for; errors name the argument, or the file and key."""
+    """The cells that a request asks for.
+
+    Errors name the argument, or the file and key.
+    """
     request.check()
     replaced = {key: getattr(request, argument) for key, argument in _ARGUMENTS.items()}
     changes = {key: value for key, value in replaced.items() if value is not None}
@@ -165,15 +182,21 @@ def plan_run(request: Request) -> RunPlan:
 
 
 def _refuse_unavailable(specs: Iterable[str], profile: str) -> None:
-    """Refuse a solver that cannot run here, where it was named; `*` and files record it so."""
-    named = [spec for spec in specs if spec != "*"]
-    for spec in expand_solvers(named, profile):
+    """Refuse a named solver that cannot run here.
+
+    Solvers of `*` and of files are not refused: their rows record it.
+    """
+    single = [spec for spec in specs if spec != "*"]
+    for spec in expand_solvers(single, profile):
         if reason := why_unavailable(spec, profile):
             raise SolverError(f"solver {spec!r} is unavailable: {reason}")
 
 
 def _about_a_file(listed_in: str, request: Request, changes: dict[str, Any]) -> ExperimentFile:
-    """An experiment about the scenarios of a file instead of its own."""
+    """An experiment about the scenarios of a file.
+
+    They replace its own.
+    """
     listed = read_scenarios(listed_in)
     name = FilePath(listed_in).stem
     about = request.experiment
@@ -193,16 +216,20 @@ def _about_a_file(listed_in: str, request: Request, changes: dict[str, Any]) -> 
 
 
 def _comment_on(listed: list[Scenario]) -> str:
-    """A comment that tells scenarios apart, since a folder with rows about others is another's."""
+    """A comment with a digest of scenarios.
+
+    A folder with rows about other scenarios is a folder of another experiment.
+    """
     ids = " ".join(map(scenario_id, listed))
     digest = hashlib.sha256(ids.encode()).hexdigest()[:16]
     return f"# about {len(listed)} scenarios with the digest {digest}\n"
 
 
 def _listed_blocks(listed: list[Scenario], file: ExperimentFile) -> list[ListedBlock]:
-    """Scenarios of a file; those that are the experiment's own too are asked as it asks them.
+    """Blocks for the scenarios of a file.
 
-    A sample of a suite so keeps the time limit and the branches of each of its questions.
+    Scenarios that the experiment has too are asked as it asks them. A sample of a suite thus keeps
+    the time limit and the branches of each of its questions.
     """
     experiment = file.experiment
     settings = [
@@ -212,14 +239,14 @@ def _listed_blocks(listed: list[Scenario], file: ExperimentFile) -> list[ListedB
     if not any(settings):
         return [ListedBlock(listed=listed)]
     blocks = []
-    asked: set[Scenario] = set()
+    of_experiment: set[Scenario] = set()
     for number, block in enumerate(experiment.scenarios):
-        own = set(scenarios(block, f"scenarios.{number}"))
-        among = [scenario for scenario in listed if scenario in own]
-        if among:
-            blocks.append(ListedBlock(listed=among, **settings[number]))
-        asked |= own
-    rest = [scenario for scenario in listed if scenario not in asked]
+        of_block = set(scenarios(block, f"scenarios.{number}"))
+        common = [scenario for scenario in listed if scenario in of_block]
+        if common:
+            blocks.append(ListedBlock(listed=common, **settings[number]))
+        of_experiment |= of_block
+    rest = [scenario for scenario in listed if scenario not in of_experiment]
     if rest:
         blocks.append(ListedBlock(listed=rest))
         _LOG.warning(
@@ -231,7 +258,10 @@ def _listed_blocks(listed: list[Scenario], file: ExperimentFile) -> list[ListedB
 
 
 def read_checked(name: str, trust_plugins: bool) -> ExperimentFile:
-    """Read an experiment as `definition.experiment.read`, and check its solvers too."""
+    """Read an experiment, and check its solvers too.
+
+    See `definition.experiment.read`.
+    """
     return _checked(text_of(name), trust_plugins, {})
 
 
@@ -241,7 +271,10 @@ def _checked(
     changes: Mapping[str, Any],
     defaults: Mapping[str, Any] | None = None,
 ) -> ExperimentFile:
-    """The experiment of a file with some of its keys changed; its scenarios are not looked at."""
+    """An experiment with some keys of its file changed.
+
+    Its scenarios are not looked at.
+    """
     _, path, text = source
     fields = {**(defaults or {}), **fields_of(path, text), **changes}
     if "solvers" in changes:
@@ -252,8 +285,9 @@ def _checked(
             if isinstance(block, dict):
                 block.pop(key, None)
     profile = fields.get("profile")
-    known = profile if isinstance(profile, str) and profile in PROFILES else "default"
-    check = partial(check_spec, profile=known, trust_plugins=trust_plugins)
+    if not isinstance(profile, str) or profile not in PROFILES:
+        profile = "default"
+    check = partial(check_spec, profile=profile, trust_plugins=trust_plugins)
     try:
         context = None if "solvers" in changes else check
         experiment = Experiment.model_validate(fields, context=context)
@@ -265,7 +299,10 @@ def _checked(
 
 
 def _mistakes(error: ValidationError, path: str, text: str, changes: Mapping[str, Any]) -> str:
-    """The mistakes of a request, which are not the file's; without any, those of the file."""
+    """The mistakes of a request, or of its file.
+
+    Those of the file are named only if the request has none.
+    """
     problems = problems_of(error, TABLE_KEYS)
     requested = [each.sentence for each in problems if {*each.path[:1]} & changes.keys()]
     return "; ".join(requested) or refusal(path, problems, text)

@@ -1,4 +1,4 @@
-"""The scenarios of a block one by one, and their ids.
+"""The scenarios of a block, and their ids.
 
 If a block gives targets by distance and bearing, or by arc and margin, x and y are computed here.
 All functions are those of `math`: numpy's may differ in the last bit between machines.
@@ -40,21 +40,23 @@ Fields = dict[str, Any]
 def scenario_id(scenario: Scenario) -> str:
     """The id of a scenario: 16 hexadecimal digits.
 
-    They are the first digits of the SHA-256 of the fields of `NUMBERS` as little-endian doubles,
-    followed by the label in UTF-8 and, if the scenario has via points or a final heading, by the
-    byte 255, which is in no UTF-8, and these numbers as doubles. Headings at via points, an order
-    that is free and a path that is closed follow after another such byte. What is free or left out
-    is NaN.
+    They are the first digits of a SHA-256. Its input begins with the fields of `NUMBERS` as
+    little-endian doubles and the label in UTF-8. If the scenario has via points or a final heading,
+    the byte 255, which is in no UTF-8, and these numbers as doubles follow. Headings at via points,
+    an order that is free and a path that is closed follow after another such byte. A value that is
+    free or left out is NaN.
     """
     values = (getattr(scenario, name) for name in NUMBERS)
-    packed = _PACKED_NUMBERS.pack(*(math.nan if value is None else value for value in values))
+    doubles = [math.nan if value is None else value for value in values]
+    packed = _PACKED_NUMBERS.pack(*doubles)
     packed += scenario.label.encode()
-    numbers = [coordinate for x, y, *_ in scenario.via for coordinate in (x, y)]
+    numbers = list(itertools.chain.from_iterable(point[:2] for point in scenario.via))
     if scenario.final_heading is not None:  # the number of numbers tells it from a point's
         numbers.append(scenario.final_heading)
     if numbers:
         packed += b"\xff" + struct.pack(f"<{len(numbers)}d", *numbers)
-    headings, free = scenario.via_heading or [], scenario.order is Order.FREE
+    headings = scenario.via_heading or []
+    free = scenario.order is Order.FREE
     if headings or free or scenario.closed:
         packed += b"\xff" + struct.pack(f"<2?{len(headings)}d", free, scenario.closed, *headings)
     return hashlib.sha256(packed).hexdigest()[:_ID_DIGITS]
@@ -64,14 +66,15 @@ def block_size(block: Block) -> int:
     """How many scenarios a block has."""
     if (listed := _listed(block)) is not None:
         return len(listed)
-    drawn = 1 if block.drawn is None else block.drawn.size
-    return drawn * math.prod(map(len, _axes(block).values()))
+    draws = 1 if block.drawn is None else block.drawn.size
+    return draws * math.prod(map(len, _axes(block).values()))
 
 
 def scenarios(block: Block, key: str) -> Iterator[Scenario]:
-    """All scenarios of a block; one that is not valid is named by the block's key.
+    """All scenarios of a block.
 
-    The via points vary fastest, then the last of `FIELDS`, and what is drawn slowest.
+    A scenario that is not valid is named by the block's key. The via points vary fastest, then the
+    last of `FIELDS`. Drawn values vary slowest.
     """
     if (listed := _listed(block)) is not None:
         yield from listed
@@ -88,7 +91,10 @@ def scenarios(block: Block, key: str) -> Iterator[Scenario]:
 
 
 def _listed(block: Block) -> list[Scenario] | None:
-    """The scenarios of a block that names each; None if it combines or draws them."""
+    """The scenarios that a block lists, or None.
+
+    It is None if the block combines or draws its scenarios.
+    """
     if isinstance(block, ListedBlock):
         return list(block.listed)
     if block.frozen is not None:
@@ -99,14 +105,20 @@ def _listed(block: Block) -> list[Scenario] | None:
 
 
 def _axes(block: Block) -> dict[str, Sequence[Any]]:
-    """The values of each field that a block gives, and its lists of via points."""
+    """The values of each field that a block gives.
+
+    Its lists of via points are one more axis.
+    """
     axes: dict[str, Sequence[Any]] = {name: block.axis(name) or () for name in FIELDS}
-    given = {name: axis for name, axis in axes.items() if axis}
-    return given | {"via": block.via or [()]}
+    present = {name: axis for name, axis in axes.items() if axis}
+    return present | {"via": block.via or [()]}
 
 
 def _combinations(block: Block) -> Iterator[Fields]:
-    """The fields of each scenario, without those that all scenarios of the block share."""
+    """The fields of each scenario of a block.
+
+    Fields that all its scenarios share are left out.
+    """
     axes = _axes(block)
     for draw in _draws(block):
         for values in itertools.product(*axes.values()):
@@ -116,7 +128,9 @@ def _combinations(block: Block) -> Iterator[Fields]:
             if "arc" in fields:
                 fields |= _beside_circle(fields, fields.pop("arc"), fields.pop("margin"))
             if draw.points:
-                x, y, radius = (fields[name] for name in ("x", "y", "radius"))
+                x = fields["x"]
+                y = fields["y"]
+                radius = fields["radius"]
                 fields["via"] = [(x + radius * u, y + radius * v) for u, v in draw.points]
             if draw.to_target:
                 fields["target_x"], fields["target_y"] = fields["via"].pop()
@@ -124,7 +138,7 @@ def _combinations(block: Block) -> Iterator[Fields]:
 
 
 class Draw(NamedTuple):
-    """What a table of a block draws for one scenario."""
+    """Values that a block's table draws for one scenario."""
 
     fields: Fields
     points: Sequence[Sequence[float]] = ()  # that follow the start, in radii from there
@@ -142,7 +156,10 @@ def _draws(block: Block) -> Iterable[Draw]:
 
 
 def _samples(sample: Sample) -> Iterator[Draw]:
-    """The points of a sample; the same on every machine."""
+    """The points of a sample.
+
+    They are the same on every machine.
+    """
     from scipy.stats import qmc  # takes half a second; most experiments have no sample
 
     engine = qmc.Sobol if sample.method == "sobol" else qmc.LatinHypercube
@@ -166,12 +183,17 @@ def _routes(route: Route) -> Iterator[Draw]:
             else:
                 points = field_points(route.field, rng, legs, (low + high) / 2).tolist()
             final_heading = 2 * math.pi * rng.random()
-            drawn = {"final_heading": final_heading} if route.final_heading == "sampled" else {}
-            yield Draw(drawn, points, to_target=True)
+            fields: Fields = {}
+            if route.final_heading == "sampled":
+                fields["final_heading"] = final_heading
+            yield Draw(fields, points, to_target=True)
 
 
 def _walk(rng: np.random.Generator, legs: int, low: float, high: float) -> list[list[float]]:
-    """Points of which each has any direction from the one before it."""
+    """Points of a random walk.
+
+    The way from each point to the next has any direction.
+    """
     x = y = 0.0
     points = []
     for share, turn in rng.random((2, legs)).T.tolist():
@@ -193,8 +215,8 @@ def _tours(tour: Tour) -> Iterator[Draw]:
             else:
                 points = field_points(tour.field, rng, n, density).tolist()
             heading = 2 * math.pi * rng.random()
-            drawn = {"heading": None if tour.heading == "free" else heading}
-            yield Draw(drawn, points, tour.to_target)
+            fields = {"heading": None if tour.heading == "free" else heading}
+            yield Draw(fields, points, tour.to_target)
 
 
 def _from_bearing(start: Fields, distance: float, bearing: float) -> Fields:
@@ -207,7 +229,10 @@ def _from_bearing(start: Fields, distance: float, bearing: float) -> Fields:
 
 
 def _beside_circle(start: Fields, arc: float, margin: float) -> Fields:
-    """A target at an angle along a turning circle and at a distance from it."""
+    """A target beside a turning circle.
+
+    It is given by its angle along the circle and its distance from it.
+    """
     r = 1 + margin
     half = math.sin(arc / 2)
     # In the vehicle's frame and in radii. The offset to the side is 1 - r cos(arc). It is computed

@@ -1,4 +1,6 @@
-"""The solvers that an experiment names, and what a run must know about each.
+"""Descriptions of the solvers that an experiment names.
+
+A description holds all that a run must know of a solver.
 
 `*` names all of them, `{a,b}` several settings. Our own solvers are loaded in this process. A
 plug-in (a file, or another package's entry point) is loaded in a separate process, because it may
@@ -43,7 +45,10 @@ _ASKING = Allowance(10.0, activity="asking whether it can run")
 
 
 class SolverDescription(NamedTuple):
-    """A solver under a profile, in values that JSON can hold."""
+    """A solver under a profile, in plain values.
+
+    They are values that JSON can hold.
+    """
 
     spec: str  # canonical, as in rows
     method: Method
@@ -58,7 +63,10 @@ class SolverDescription(NamedTuple):
 
 @cache
 def describe_solver(spec: str, profile: str = "default") -> SolverDescription:
-    """Describe the solver of a spec; refused as by `solvers.registry.load`."""
+    """Describe the solver of a spec.
+
+    It is refused as by `solvers.registry.load`.
+    """
     if ours(spec):
         return _describe(spec, profile)
     event = _asked_apart("description", spec, profile, _LOADING)
@@ -67,14 +75,16 @@ def describe_solver(spec: str, profile: str = "default") -> SolverDescription:
     fields, message = event.value
     if message is not None:
         raise SolverError(str(message))
-    packages, method = tuple(fields["packages"]), Method(*fields["method"])
+    packages = tuple(fields["packages"])
+    method = Method(*fields["method"])
     return SolverDescription(**(fields | {"packages": packages, "method": method}))
 
 
 def why_unavailable(spec: str, profile: str = "default") -> str | None:
-    """Why the solver of a spec cannot run here; None too where a plug-in does not say in time.
+    """Why a solver cannot run here, or None.
 
-    One that dies or hangs where it is asked does so in its rows.
+    It is None too if a plug-in does not answer in time. A plug-in that dies or hangs here does so
+    in its rows as well.
     """
     if ours(spec):
         return _availability(spec, profile)
@@ -83,29 +93,34 @@ def why_unavailable(spec: str, profile: str = "default") -> str | None:
 
 
 def _asked_apart(what: str, spec: str, profile: str, allowance: Allowance) -> Answered | Ended:
-    """What a plug-in's process says of it."""
+    """Answer of a plug-in's process about the plug-in."""
     with closing(WorkerProcess(f"{__name__}:serve_plugin", [], sys.maxsize)) as worker:
         return worker.request([what, spec, profile], allowance)
 
 
 def _describe(spec: str, profile: str) -> SolverDescription:
     solver = load(spec, profile)
+    # a plug-in inherits no promise: its changes of one of our solvers may break it
+    promises = ours(spec) or "keeps_limit" in vars(type(solver))
+    runs = None if solver.runs is None else str(solver.runs)
     return SolverDescription(
-        canonical(spec, profile),
-        stated_method(solver),
-        code_digest(spec, profile),
-        plain_settings(solver),
-        tuple(str(package) for package in solver.packages),
-        bool(solver.warm),
-        None if solver.runs is None else str(solver.runs),
-        # a plug-in inherits no promise: what it changes of one of our solvers may break it
-        bool(solver.keeps_limit) and (ours(spec) or "keeps_limit" in vars(type(solver))),
-        solver.solve_frame is not None,
+        spec=canonical(spec, profile),
+        method=stated_method(solver),
+        code_digest=code_digest(spec, profile),
+        settings=plain_settings(solver),
+        packages=tuple(str(package) for package in solver.packages),
+        warm=bool(solver.warm),
+        runs=runs,
+        keeps_limit=bool(solver.keeps_limit) and promises,
+        whole_frames=solver.solve_frame is not None,
     )
 
 
 def serve_plugin(channel: Channel) -> None:
-    """Say of plug-ins, in the process that loads them, what is asked."""
+    """Answer questions about plug-ins.
+
+    This runs in the process that loads them.
+    """
     functions = {"description": _description, "availability": _availability}
 
     def answer(task: list[str]) -> tuple[Any, bool]:
@@ -130,17 +145,21 @@ def _description(spec: str, profile: str) -> list[Any]:
 
 
 def expand_solvers(specs: list[str], profile: str = "default") -> list[str]:
-    """Canonical specs under a profile, without duplicates; `*` and `{a,b}` are expanded."""
+    """Canonical specs under a profile, without duplicates.
+
+    `*` and `{a,b}` are expanded.
+    """
     lists = (registered() if spec == "*" else written_out(spec) for spec in specs)
     names = itertools.chain.from_iterable(lists)
     return list(dict.fromkeys(describe_solver(name, profile).spec for name in names))
 
 
 def check_spec(spec: str, profile: str, *, trust_plugins: bool) -> None:
-    """Refuse a spec of a file whose solver does not exist, or cannot be asked what it is.
+    """Refuse a file's spec of no usable solver.
 
-    Plug-in files and programs on PATH are refused unless they are trusted, since the file may come
-    from anyone; none of them is loaded before.
+    The solver does not exist, or cannot be described. Plug-in files and programs on PATH are
+    refused unless they are trusted, since the file may come from anyone; none of them is loaded
+    before.
     """
     try:
         for name in [] if spec == "*" else written_out(spec):
@@ -158,7 +177,10 @@ _UNTRUSTED = (
 
 
 def _untrusted(spec: str, profile: str) -> bool:
-    """Whether a spec would run a plug-in file or a program on PATH; the check runs neither."""
+    """Whether a spec runs a program or file.
+
+    The file is a plug-in, the program is on PATH; the check runs neither.
+    """
     return plugin_file(spec) is not None or (
         ours(spec) and describe_solver(spec, profile).runs is not None
     )

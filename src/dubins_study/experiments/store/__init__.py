@@ -1,1 +1,4 @@
-"""The results folder: write parts without losing rows, lock, repair, merge and count."""
+"""The results folder: write, lock, repair, merge and count.
+
+Parts are written without losing rows.
+"""

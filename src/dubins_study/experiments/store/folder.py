@@ -1,4 +1,7 @@
-"""Lock a results folder for a run, open and repair it; read, count and unite its rows."""
+"""Lock, open and repair a results folder.
+
+Its rows are read, counted and united here too.
+"""
 
 from __future__ import annotations
 
@@ -34,19 +37,24 @@ DAMAGED = "damaged"
 LOCK = ".lock"
 # Seconds to wait for the lock, since a call of `is_locked` in another process also holds it for
 # microseconds. If the lock is still held after that, a run holds it.
-_WAIT_S, _POLL_INTERVAL_S = 0.3, 0.02
+_WAIT_S = 0.3
+_POLL_INTERVAL_S = 0.02
 
 
 @contextmanager
 def locked(folder: FilePath) -> Iterator[None]:
-    """Lock a folder for this process inside the `with` block; after a crash it is released too."""
+    """Lock a folder inside the `with` block.
+
+    The lock is this process's; after a crash it is released too.
+    """
     file = folder / LOCK
     lock = FileLock(file, timeout=_WAIT_S, poll_interval=_POLL_INTERVAL_S, fallback_to_soft=False)
     try:
         lock.acquire()
     except Timeout:
         holder = lock_holder(folder)
-        pid, since = (str(holder.get(key, "unknown")) for key in ("pid", "started"))
+        pid = str(holder.get("pid", "unknown"))
+        since = str(holder.get("started", "unknown"))
         raise ResultsError(
             f"{folder} is in use: process {pid:.20} has been at work there since {since:.40}; wait "
             "for it or end it, or choose another --out"
@@ -62,7 +70,10 @@ def locked(folder: FilePath) -> Iterator[None]:
 
 
 def lock_holder(folder: FilePath) -> dict[str, object]:
-    """`pid` and `started` of the last process that locked a folder; empty if not recorded."""
+    """`pid` and `started` of a folder's last lock.
+
+    They are those of the process that locked it; empty if not recorded.
+    """
     try:
         content = json.loads((folder / LOCK).read_text(encoding="utf-8"))
     except (OSError, ValueError):
@@ -71,7 +82,10 @@ def lock_holder(folder: FilePath) -> dict[str, object]:
 
 
 def is_locked(folder: FilePath) -> bool:
-    """Whether a run holds the lock of a folder; the check writes nothing."""
+    """Whether a run holds a folder's lock.
+
+    The check writes nothing.
+    """
     try:
         handle = os.open(folder / LOCK, os.O_RDONLY)
     except OSError:
@@ -87,7 +101,10 @@ def is_locked(folder: FilePath) -> bool:
 
 
 def prepare_folder(folder: FilePath) -> None:
-    """Create a folder that can be locked; refuse one that holds anything else than results."""
+    """Create a folder that can be locked.
+
+    A folder that holds anything else than results is refused.
+    """
     with os_errors_as(f"cannot write to {folder}"):
         if folder.exists() and not (folder / MANIFEST).exists():
             # A run that is killed before its first manifest may leave a lock and an empty folder.
@@ -99,10 +116,11 @@ def prepare_folder(folder: FilePath) -> None:
 
 
 def open_folder(folder: FilePath, manifest: Manifest, restart: bool) -> tuple[Manifest, list[str]]:
-    """Repair a folder that this process has locked, and check that it holds the same experiment.
+    """Repair a locked folder, and check its experiment.
 
-    The manifest is returned joined with that of earlier runs, with one sentence per repair; a
-    folder of another experiment or schema is refused and stays as it is. `restart` deletes rows.
+    This process has locked it. The manifest is returned, joined with that of earlier runs, with one
+    sentence per repair. A folder of another experiment or schema is refused and stays as it is.
+    `restart` deletes rows.
     """
     with os_errors_as(f"cannot write to {folder}"):
         if (folder / MANIFEST).exists() and not restart:
@@ -131,8 +149,12 @@ def open_folder(folder: FilePath, manifest: Manifest, restart: bool) -> tuple[Ma
 
 
 def _mend(folder: FilePath) -> list[str]:
-    """Check every part, then move damaged parts away and remove files of a killed run."""
-    damaged, place = [], folder / DAMAGED
+    """Move damaged parts away.
+
+    Every part is checked; files of a killed run are removed.
+    """
+    damaged = []
+    place = folder / DAMAGED
     for part in part_files(folder):
         try:
             check_part(part)
@@ -152,7 +174,7 @@ def _mend(folder: FilePath) -> list[str]:
 
 
 def done(folder: FilePath) -> set[Key]:
-    """The keys of all cells that have a row in a folder."""
+    """The keys of all cells with a row."""
     columns = read_rows(folder, names(KEY)).columns
     return set(zip(*(column.to_pylist() for column in columns), strict=True))
 
@@ -160,7 +182,9 @@ def done(folder: FilePath) -> set[Key]:
 def read_rows(
     folder: FilePath, columns: list[str] | None = None, damaged: list[FilePath] | None = None
 ) -> pa.Table:
-    """The rows of a folder, one row per cell: the key columns and those named, or all columns.
+    """The rows of a folder, one row per cell.
+
+    They have the key columns and those named, or all columns.
 
     Damaged parts are passed over and appended to `damaged`; without that list they are refused.
     """
@@ -181,7 +205,10 @@ def read_rows(
 
 
 def compact(folder: FilePath, run_id: str) -> None:
-    """Unite all parts into one; a crash in between leaves duplicate rows, which readers ignore."""
+    """Unite all parts into one.
+
+    A crash in between leaves duplicate rows, which readers ignore.
+    """
     parts = part_files(folder)
     if len(parts) < 2:
         return

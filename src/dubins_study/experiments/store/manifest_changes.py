@@ -1,4 +1,7 @@
-"""Write a results folder's manifest: the number of its cells, and the entry of the current run."""
+"""Write the manifest of a results folder.
+
+It holds the number of its cells and the entry of the current run.
+"""
 
 from __future__ import annotations
 
@@ -15,7 +18,10 @@ from dubins_study.study.rows.manifest import MANIFEST, Manifest, Probe, RunEntry
 from dubins_study.study.rows.parts import ResultsError, os_errors_as
 
 # States of a run. A manifest never holds `killed`: the entry of a killed run stays `running`.
-RUNNING, FINISHED, INTERRUPTED, KILLED = "running", "finished", "interrupted", "killed"
+RUNNING = "running"
+FINISHED = "finished"
+INTERRUPTED = "interrupted"
+KILLED = "killed"
 
 # Seconds between two updates of the manifest.
 _WRITE_INTERVAL_S = 2.0
@@ -25,7 +31,10 @@ _MAX_PROBES = 1000
 
 
 def write_manifest(folder: FilePath, manifest: Manifest) -> None:
-    """Replace the manifest in one step; raise `ResultsError` if the folder cannot be written."""
+    """Replace the manifest in one step.
+
+    `ResultsError` is raised if the folder cannot be written.
+    """
     content = manifest.model_dump(by_alias=True)
     text = json.dumps(content, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
     encoded = text.encode("utf-8", "replace")
@@ -36,12 +45,15 @@ def write_manifest(folder: FilePath, manifest: Manifest) -> None:
 def count_cells(
     manifest: Manifest, requested: Collection[str], rows: Mapping[tuple[str, str], int]
 ) -> tuple[Manifest, bool]:
-    """Record per solver how many cells the folder should hold; rows of old code do not count.
+    """Record the number of cells of each solver.
+
+    It is the number that the folder should hold; rows of old code do not count.
 
     `rows` are those that the folder will hold after this run, by spec and code digest; returned are
     the manifest and whether the folder will be finished then. Specs not `requested` stay.
     """
-    solvers, complete = {}, True
+    solvers = {}
+    complete = True
     for spec, entry in manifest.solvers.items():
         present = rows.get((spec, entry.code_digest), 0)
         cells = present if spec in requested else max(present, entry.cells)
@@ -52,19 +64,22 @@ def count_cells(
 
 
 class RunRecord:
-    """Keeps a run's entry in the manifest, which is given without it, up to date.
+    """Keeps a run's entry in the manifest current.
 
-    `completes` says whether the run makes the folder finished.
+    The manifest is given without this entry. `completes` says whether the run makes the folder
+    finished.
     """
 
     def __init__(
         self, folder: FilePath, manifest: Manifest, request: RunEntry, completes: bool = True
     ) -> None:
-        self._folder, self._completes = folder, completes
+        self._folder = folder
+        self._completes = completes
         self._manifest = manifest.with_changes(finished=None)
         self._began = self._written = monotonic()
         self._probes: list[Probe] = []
-        self._probes_taken, self._probe_stride = 0, 1
+        self._probes_taken = 0
+        self._probe_stride = 1
         self._entry = request.with_changes(
             machine=provenance.machine(),
             governor=provenance.governor(),
@@ -80,32 +95,39 @@ class RunRecord:
         return self
 
     def __exit__(self, error_type: object, *_: object) -> None:
-        ended, load = provenance.now(), provenance.load_average()
+        ended = provenance.now()
+        load = provenance.load_average()
         if error_type is None:
-            finished = ended if self._completes else None
-            self._manifest = self._manifest.with_changes(finished=finished)
+            if self._completes:
+                self._manifest = self._manifest.with_changes(finished=ended)
             self.write(state=FINISHED, ended=ended, load_end=load)
             return
         with suppress(ResultsError):  # a full disk was reported already
             self.write(state=INTERRUPTED, ended=ended, load_end=load)
 
     def probe(self, seconds: float, machine: int = 0) -> None:
-        """Record the duration (s) of a calibration probe, and the number of its machine."""
+        """Record a calibration probe.
+
+        `seconds` is its duration, `machine` the number of its machine.
+        """
         self._probes_taken += 1
         if self._probes_taken % self._probe_stride == 0:
             when = round(monotonic() - self._began, 3)
-            self._probes.append(Probe(when, round(seconds, 9), machine))
+            self._probes.append(Probe(when, took=round(seconds, 9), machine=machine))
             if len(self._probes) > _MAX_PROBES:
                 self._probe_stride *= 2
                 del self._probes[::2]
 
     def write_now_and_then(self) -> None:
-        """Write the run's duration, if the last update is a few seconds ago."""
+        """Write the run's duration every few seconds."""
         if monotonic() - self._written > _WRITE_INTERVAL_S:
             self.write()
 
     def write(self, **changes: Any) -> None:
-        """Write the manifest with new values for fields of the `RunEntry`."""
+        """Write the manifest with an updated `RunEntry`.
+
+        The new values of its fields are given.
+        """
         self._written = monotonic()
         seconds = round(self._written - self._began, 3)
         self._entry = self._entry.with_changes(seconds=seconds, **changes)

@@ -1,4 +1,7 @@
-"""Unite results folders of one experiment; refuse folders that contradict each other."""
+"""Unite results folders of one experiment.
+
+Folders that contradict each other are refused.
+"""
 
 from __future__ import annotations
 
@@ -29,7 +32,9 @@ _MAX_LISTED = 5
 def merged_rows(
     tables: Sequence[pa.Table], folders: Sequence[FilePath], tolerance: float
 ) -> tuple[pa.Table, int]:
-    """The earliest row per cell, and how many other attempts, copies left out, agree with it.
+    """The earliest row per cell.
+
+    The number of other attempts that agree with it is counted; copies are left out.
 
     Cells whose attempts contradict each other (gaps differ by more than the tolerance) are refused.
     """
@@ -37,25 +42,30 @@ def merged_rows(
     rows = table.select(COLUMNS).to_pandas()
     rows["folder"] = np.repeat([str(folder) for folder in folders], [len(each) for each in tables])
     rows = rows.sort_values("started", kind="stable")
-    kept, pairs = compare_attempts(rows, names(KEY))
+    first_rows, pairs = compare_attempts(rows, names(KEY))
     if pairs.empty:
         return table, 0
     differ = differences(pairs, tolerance)
     cells = pairs.index[differ.any(axis=1)]
     if len(cells):
         lines = [_contradiction(pairs.loc[i], differ.loc[i]) for i in cells[:_MAX_LISTED]]
-        lines += [f"and {len(cells) - _MAX_LISTED} more"] if len(cells) > _MAX_LISTED else []
+        if len(cells) > _MAX_LISTED:
+            lines.append(f"and {len(cells) - _MAX_LISTED} more")
+        plural = "" if len(cells) == 1 else "s"
         raise ResultsError(
-            f"the folders contradict each other in {len(cells)} "
-            f"cell{'' if len(cells) == 1 else 's'}; nothing was merged:\n  " + "\n  ".join(lines)
+            f"the folders contradict each other in {len(cells)} cell{plural}; nothing was "
+            "merged:\n  " + "\n  ".join(lines)
         )
     copies = (pairs["run_id"] == pairs["run_id_kept"]) & (pairs["started"] == pairs["started_kept"])
-    positions = np.sort(rows.index.to_numpy()[kept])
+    positions = np.sort(rows.index.to_numpy()[first_rows])
     return table.take(pa.array(positions)), int((~copies).sum())
 
 
 def _contradiction(pair: pd.Series[str], differ: pd.Series[bool]) -> str:
-    """The cell, and both values of every column in which two attempts at it differ."""
+    """A cell, and the values that contradict.
+
+    They are both values of every column in which two attempts differ.
+    """
     values = "; ".join(
         f"{name} is {pair[f'{name}_kept']} in {pair['folder_kept']} and {pair[name]} in "
         f"{pair['folder']}"
@@ -98,7 +108,8 @@ def merge(folders: Iterable[str | FilePath], out: str | FilePath) -> Union:
             attempts contradict each other, or if `out` cannot be written. Then nothing is left at
             `out`.
     """
-    sources, [target] = folder_paths(folders), folder_paths([out])
+    sources = folder_paths(folders)
+    [target] = folder_paths([out])
     manifests = _read_manifests(sources)
     with os_errors_as(f"cannot write to {target}"):
         if target.exists() and not target.is_dir():
@@ -147,12 +158,16 @@ def _unite(folders: Sequence[FilePath], manifests: Sequence[Manifest], fresh: Fi
         ends = [other.finished for other in manifests if other.finished]
         manifest = manifest.with_changes(finished=max(ends, default=None) or now())
     write_manifest(fresh, manifest)
+    rows = counts.total()
     current = sum(counts[code] for code in manifest.code_digests.items())
-    return Union(fresh, counts.total(), repeats, counts.total() - current)
+    return Union(fresh, rows=rows, agreeing_repeats=repeats, stale=rows - current)
 
 
 def _unite_manifests(manifests: Sequence[Manifest]) -> Manifest:
-    """The first folder's manifest, with the solvers and runs of all folders."""
+    """The united manifest of all folders.
+
+    It is the first folder's, with the solvers and runs of all folders.
+    """
     solvers: dict[str, SolverEntry] = {}
     runs: dict[str, RunEntry] = {}
     for manifest in manifests:

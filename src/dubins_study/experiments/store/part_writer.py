@@ -1,4 +1,6 @@
-"""Write files completely or not at all, and so that they survive a power failure.
+"""Write files completely or not at all.
+
+Written files survive a power failure.
 
 The rows of a run are such files: a part about every second.
 """
@@ -21,7 +23,9 @@ TEMPORARY = ".dubins-study.tmp"
 
 
 def write_whole(final: FilePath, write: Callable[[FilePath], object]) -> None:
-    """Write a file under a temporary name, sync it, and rename it to `final` in one step.
+    """Write a file, then rename it in one step.
+
+    It is written under a temporary name, synced, and renamed to `final`.
 
     `write` is called with a path and writes the content there.
     """
@@ -38,7 +42,7 @@ def write_whole(final: FilePath, write: Callable[[FilePath], object]) -> None:
 
 
 def sync_folder(folder: FilePath) -> None:
-    """Make sure that the names in a folder survive a power failure."""
+    """Make a folder's names survive a power failure."""
     handle = os.open(folder, os.O_RDONLY)
     try:
         os.fsync(handle)
@@ -56,7 +60,10 @@ Progress = Callable[[int, int], None]
 def write_part(
     folder: FilePath, name: str, table: pa.Table, metadata: Mapping[str, str] | None = None
 ) -> FilePath:
-    """Write a part completely or not at all, and return its file."""
+    """Write a part completely or not at all.
+
+    Its file is returned.
+    """
     final = folder / PARTS / f"{name}.parquet"
 
     def write(file: FilePath) -> None:
@@ -79,23 +86,32 @@ def write_part(
 
 
 class PartWriter:
-    """Collects the rows of a run, writes a part about every second, and reports progress."""
+    """Collects the rows of a run in parts.
+
+    A part is written about every second; progress is reported.
+    """
 
     def __init__(self, folder: FilePath, run_id: str, total: int, progress: Progress | None):
-        self._folder, self._run_id, self._total, self._progress = folder, run_id, total, progress
+        self._folder = folder
+        self._run_id = run_id
+        self._total = total
+        self._progress = progress
         self._rows: list[Row] = []
         self._skipped: set[Key] = set()
         self._parts = self._cells_done = 0
         self._flushed = monotonic()
 
     def skip(self, cells: set[Key]) -> None:
-        """Count cells as done whose rows the folder holds; those of a sweep are solved again."""
+        """Count cells as done that have a row.
+
+        Those of a sweep are solved again.
+        """
         self._skipped = cells
         self._cells_done += len(cells)
         self._report()
 
     def add(self, rows: list[Row]) -> None:
-        """Collect rows, and write all collected rows if it is time."""
+        """Collect rows; write them if it is time."""
         new = [row for row in rows if row_key(row) not in self._skipped]
         self._rows += new
         self._cells_done += len(new)
@@ -104,7 +120,10 @@ class PartWriter:
         self._report()
 
     def flush(self) -> None:
-        """Write the collected rows as a part; after an interruption perhaps once more."""
+        """Write the collected rows as a part.
+
+        After an interruption this may be called once more.
+        """
         if self._rows:
             name = f"{self._run_id}-{self._parts:06d}"
             write_part(self._folder, name, rows_table(self._rows), {RUN_ID: self._run_id})

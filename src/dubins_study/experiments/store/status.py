@@ -1,4 +1,7 @@
-"""The status of a results folder: cells done, left and failing, and the time left."""
+"""The status of a results folder.
+
+Cells that are done, left and failing are counted, and the time left is estimated.
+"""
 
 from __future__ import annotations
 
@@ -23,7 +26,7 @@ _RUN_FIELDS = {"run_id", "started", "ended", "seconds", "state", "jobs", "execut
 
 @dataclass(frozen=True)
 class Status:
-    """What a results folder holds.
+    """The state of a results folder.
 
     Args:
         cells: number of cells that it should hold.
@@ -59,7 +62,10 @@ class Status:
     runs: list[RunEntry]
 
     def as_json(self) -> dict[str, Any]:
-        """Plain values; `left` is the total number, `left_by_solver` the number per solver."""
+        """The status in plain values.
+
+        `left` is the total number, `left_by_solver` the number per solver.
+        """
         return {
             **vars(self),
             "left": sum(self.left.values()),
@@ -71,14 +77,17 @@ class Status:
 
 
 def status(folder: str | FilePath) -> Status:
-    """The status of a results folder. Nothing is written, and a run may be active in the folder.
+    """The status of a results folder.
+
+    Nothing is written, and a run may be active in the folder.
 
     Raises:
         ResultsError: if it is not a results folder, or a part has another schema.
     """
     [place] = folder_paths([folder])
     for attempt in range(_MAX_TRIES):
-        live, manifest = is_locked(place), read_manifest(place)
+        live = is_locked(place)
+        manifest = read_manifest(place)
         damaged: list[FilePath] = []
         try:
             table = read_rows(place, _COLUMNS, damaged)
@@ -109,7 +118,7 @@ def _status(
     waiting = sum(left.values())
     seconds_left = float(current["wall_s"].mean()) * waiting / jobs if waiting else 0.0
     pid = lock_holder(folder).get("pid", 0) if live else None
-    aside = folder / DAMAGED
+    time_left = None if math.isnan(seconds_left) else seconds_left
     return Status(
         folder=str(folder),
         cells=manifest.cells,
@@ -120,11 +129,11 @@ def _status(
         verdicts={str(s): _counts(group) for s, group in endings.groupby(current["solver"])},
         stale=len(rows) - len(current),
         damaged=damaged,
-        aside=len(list(aside.glob("*.parquet"))) if aside.is_dir() else 0,
+        aside=len(list((folder / DAMAGED).glob("*.parquet"))),
         finished=bool(manifest.finished) and not live and not left,
         process=pid if pid is None or isinstance(pid, int) else 0,
         jobs=jobs,
-        seconds_left=None if math.isnan(seconds_left) else seconds_left,
+        seconds_left=time_left,
         runs=runs,
     )
 
@@ -134,7 +143,10 @@ def _counts(values: pd.Series[str]) -> dict[str, int]:
 
 
 def _runs(runs: Sequence[RunEntry], live: bool) -> list[RunEntry]:
-    """The runs; one that ended without writing its final state is `killed`, its time unknown."""
+    """The runs of a folder, with their states.
+
+    A run that ended without writing its final state is `killed`, its time unknown.
+    """
     ended = [
         run.with_changes(state=KILLED, seconds=None) if run.state == RUNNING else run
         for run in (runs[:-1] if live else runs)
