@@ -1,4 +1,1 @@
-"""Questions put to solvers, timed, and judged.
-
-One question is asked at a time, or a frame of them.
-"""
+"""Questions put to solvers: asked, timed, judged; one at a time, or a frame of them."""

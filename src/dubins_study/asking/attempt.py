@@ -1,7 +1,4 @@
-"""One attempt: a question put to a solver.
-
-The caller times it, and the check judges it.
-"""
+"""One attempt: a question put to a solver, timed by the caller, judged by the check."""
 
 from __future__ import annotations
 
@@ -108,10 +105,7 @@ class Answer(Spent, Times, Certificate, Judgement, Reported):
         return "\n".join(("Answer(", *(f"  {line:.{_REPR_CHARS}}" for line in lines))) + ")"
 
     def __dir__(self) -> tuple[str, ...]:
-        """Names that a planner needs.
-
-        Every other column is reached by its name.
-        """
+        """What a planner needs; every other column is reached by its name."""
         return _FOR_A_PLANNER
 
     @property
@@ -121,17 +115,11 @@ class Answer(Spent, Times, Certificate, Judgement, Reported):
 
     @property
     def order(self) -> list[int] | None:
-        """A tour's via points, in the path's order.
-
-        The first via point is 0.
-        """
+        """The via points of a tour in the order in which the path passes them; the first is 0."""
         return None if self.visit_order is None else [int(place) for place in self.visit_order]
 
     def _repr_svg_(self) -> str | None:
-        """The path's drawing for notebooks, or None.
-
-        It has verdict, length and word. It is None without a path.
-        """
+        """The path's drawing for notebooks, with verdict, length and word; None without a path."""
         if self.path is None or self.length is None:
             return None
         word = short_word(self.word or "", 24)
@@ -140,33 +128,21 @@ class Answer(Spent, Times, Certificate, Judgement, Reported):
 
     @property
     def tied_words(self) -> tuple[str, ...]:
-        """The words that share the shortest length.
-
-        They are two if the target is straight behind the vehicle, else one.
-        """
+        """The words that share the shortest length; two straight behind the vehicle, else one."""
         return kind_of(self.scenario, self.branch).ties(self.scenario, self.branch)
 
     @property
     def curvatures(self) -> list[float] | None:
-        """The path's curvatures, or None.
-
-        They are None without a path, or if one of its controls is not finite.
-        """
+        """The path's curvatures; None without a path, or if one of its controls is not finite."""
         return controls(self.path)[0]
 
     @property
     def lengths(self) -> list[float] | None:
-        """The path's lengths, or None.
-
-        They are None without a path, or if one of its controls is not finite.
-        """
+        """The path's lengths; None without a path, or if one of its controls is not finite."""
         return controls(self.path)[1]
 
     def row(self) -> dict[str, Any]:
-        """The columns of the scenario and the answer.
-
-        They are those of `study.rows.schema`. Numbers that are not finite are None.
-        """
+        """The scenario's and the answer's columns of `study.rows.schema`; None where not finite."""
         scenario = dict(zip(_SCENARIO, _scenario_numbers(self.scenario), strict=True))
         return scenario | {name: getattr(self, name) for name in _ANSWER}
 
@@ -182,10 +158,7 @@ def _target_text(scenario: Scenario) -> str:
 
 
 class QuestionError(DubinsStudyError, ValueError):
-    """A question that cannot be given to a solver.
-
-    Its scenario, branch, initial guess or time limit is refused.
-    """
+    """A scenario, branch, initial guess or time limit that cannot be given to a solver."""
 
 
 def check_branch(scenario: Scenario, branch: str) -> None:
@@ -197,13 +170,10 @@ def check_branch(scenario: Scenario, branch: str) -> None:
 
 
 def check_request(branch: str, limit: float, limit_name: str = "limit") -> None:
-    """Refuse an unknown branch, or a wrong time limit.
-
-    The limit must be a positive number of seconds.
-    """
+    """Refuse an unknown branch, or a time limit that is not a positive number of seconds."""
     if not isinstance(branch, str) or branch not in EVERY_BRANCH:
-        choice = f"{did_you_mean(branch, PATH_BRANCHES)}choose one of: {', '.join(PATH_BRANCHES)}"
-        raise QuestionError(f"no branch named {short(branch)}; {choice}")
+        known = f"{did_you_mean(branch, PATH_BRANCHES)}choose one of: {', '.join(PATH_BRANCHES)}"
+        raise QuestionError(f"no branch named {short(branch)}; {known}")
     try:
         seconds = real_number(limit)
     except Exception:  # `float` of a value of any type may raise anything
@@ -220,10 +190,7 @@ def attempt(
     allowed: Tolerances = PROFILES["default"],
     spec: str | None = None,
 ) -> Answer:
-    """Put a question to a solver, and judge it.
-
-    The solver is timed. Whatever comes back is judged, even an exception.
-    """
+    """Put a question to a solver, time it, and judge whatever comes back, an exception among it."""
     prepare(question.scenario, question.branch)
     began = monotonic()
     reply = with_possible_times(ask(solver, question, limit), monotonic() - began)
@@ -239,9 +206,7 @@ def judged(
 ) -> Answer:
     """A reply judged by the check and certified."""
     solution = reply.solution
-    scenario = question.scenario
-    branch = question.branch
-    path = solution.path
+    scenario, branch, path = question.scenario, question.branch, solution.path
     pathless = pathless_kind_of(branch)
     if path is not None:
         prepare(scenario, branch)
@@ -282,33 +247,25 @@ _SHORTER_KNOWN = (Verdict.LONGER, Verdict.MISSES, Verdict.NONE)
 
 
 def shorter_answer(answer: Answer) -> Answer | None:
-    """The check's shortest path, if the answer is longer.
-
-    It is judged. An answer without a path is longer, too.
-    """
+    """The shortest path that the check knows, judged, where the answer has no path as short."""
     if answer.verdict not in _SHORTER_KNOWN or pathless_kind_of(answer.branch):
         return None
     at_once = replace(DEFAULT, until=-math.inf)  # it was found when the answer was judged
     path = reference_of(answer.scenario, answer.branch, at_once).path
-    reply = Reply(Outcome.RETURNED, Solution(Claim.NONE, path))
-    return judged("the check", Question(answer.scenario, answer.branch), reply, at_once)
+    found = Reply(Outcome.RETURNED, Solution(Claim.NONE, path))
+    return judged("the check", Question(answer.scenario, answer.branch), found, at_once)
 
 
 def controls(path: Path | None) -> tuple[list[float], list[float]] | tuple[None, None]:
-    """Curvatures and lengths as a row holds them.
-
-    Both are None if a number of them is not finite.
-    """
+    """Curvatures and lengths as a row holds them: both None if a number of them is not finite."""
     if path is None:
         return None, None
-    curvatures = path.curvatures.tolist()
-    lengths = path.lengths.tolist()
+    curvatures, lengths = path.curvatures.tolist(), path.lengths.tolist()
     finite = all(map(math.isfinite, curvatures)) and all(map(math.isfinite, lengths))
     return (curvatures, lengths) if finite else (None, None)
 
 
-_SCENARIO = names(SCENARIO)
-_ANSWER = names(ANSWER)
+_SCENARIO, _ANSWER = names(SCENARIO), names(ANSWER)
 _CERTIFICATE = names(columns(Certificate))
 _scenario_numbers = attrgetter(*_SCENARIO)
 
@@ -316,17 +273,13 @@ _scenario_numbers = attrgetter(*_SCENARIO)
 def _with_trace(
     judgement: Judgement, question: Question, solution: Solution, allowed: Tolerances
 ) -> Judgement:
-    """The judgement with the columns of a trace.
-
-    They hold the paths that arrive, while they get shorter.
-    """
-    evaluations = []
-    lengths = [math.inf]
+    """The judgement with the columns of a trace: its paths that arrive, while they get shorter."""
+    evaluations, lengths = [], [math.inf]
     for count, path in solution.trace:
-        step = judge(question.scenario, path, branch=question.branch, tolerances=allowed)
-        if step.gap is not None and step.length is not None and step.length < lengths[-1]:
+        found = judge(question.scenario, path, branch=question.branch, tolerances=allowed)
+        if found.gap is not None and found.length is not None and found.length < lengths[-1]:
             evaluations.append(float(count))
-            lengths.append(step.length)
+            lengths.append(found.length)
     return replace(judgement, trace_evaluations=evaluations, trace_lengths=lengths[1:])
 
 
@@ -335,12 +288,8 @@ _REPORTED_NUMBERS = [each.name for each in columns(Reported) if each.type == "fl
 
 
 def _spent(solution: Solution) -> dict[str, Any]:
-    """The columns of `Spent`.
-
-    They are null where a solver does not tell.
-    """
-    efforts = solution.efforts
-    best_run = solution.best_run
+    """The columns of `Spent`; null where a solver does not tell."""
+    efforts, best_run = solution.efforts, solution.best_run
     values: dict[str, Any] = dict.fromkeys(_SPENT)
     if solution.multipliers is not None:
         values["multiplier_x"], values["multiplier_y"] = map(_finite, solution.multipliers)

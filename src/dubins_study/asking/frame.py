@@ -1,7 +1,4 @@
-"""Whole frames of scenarios, solved and judged.
-
-Each scenario has one row; the index is kept.
-"""
+"""Whole frames: every scenario solved and judged, one row each, the index kept."""
 
 from __future__ import annotations
 
@@ -59,7 +56,7 @@ def solve_frame(
     limit: float = DEFAULT_LIMIT,
     certified: bool = False,
 ) -> pd.DataFrame:
-    """Solve and judge every scenario in this process."""
+    """Solve and judge every scenario of a frame in this process."""
     check_request(branch, limit)
     allowed = tolerances(profile, limit)
     backend = load(solver, profile)
@@ -87,20 +84,17 @@ def _all_at_once(
     allowed: Tolerances,
     certified: bool,
 ) -> pd.DataFrame:
-    """The rows of a solver that answers whole frames.
-
-    The frame is of one kind.
-    """
+    """The rows of a frame of one kind that a solver answers whole."""
     from dubins_study.study.judging.verdict_frame import judge_frame
 
-    # the solver gets a frame of its own, so that it cannot change the questions
+    # a solver is given a frame of its own, so that the questions stay what was asked
     outcome, solution, seconds = _run(whole, frame.copy(deep=False), branch)
-    judgement = judge_frame(frame, solution.paths, solution.claim, branch, allowed)
-    arrays = _arrays(solution, judgement)
+    judged = judge_frame(frame, solution.paths, solution.claim, branch, allowed)
+    arrays = _arrays(solution, judged)
     if certified:
-        arrays |= _certificates(frame, solution, judgement, branch, allowed)
-    row_s = seconds / max(1, len(frame))
-    of_all_rows = vars(Times(build_s=0.0, solve_s=row_s, wall_s=row_s)) | method.columns()
+        arrays |= _certificates(frame, solution, judged, branch, allowed)
+    a_row = seconds / max(1, len(frame))
+    of_all_rows = vars(Times(build_s=0.0, solve_s=a_row, wall_s=a_row)) | method.columns()
     of_all_rows |= {"outcome": outcome, "native_status": solution.native_status}
     of_all_rows |= {"claim": solution.claim, "message": solution.message}
     return _framed(frame, arrays, of_all_rows)
@@ -109,10 +103,7 @@ def _all_at_once(
 def _run(
     whole: Callable[[pd.DataFrame, str], FrameSolution], frame: pd.DataFrame, branch: str
 ) -> tuple[Outcome, FrameSolution, float]:
-    """The answers, and the seconds they took.
-
-    A backend that raises has answered no row.
-    """
+    """The answers, and the seconds they took; a backend that raises has answered no row."""
     began = perf_counter()
     try:
         solution = whole(frame, branch)
@@ -131,14 +122,11 @@ def _run(
     return Outcome.RETURNED, solution, perf_counter() - began
 
 
-def _arrays(solution: FrameSolution, judgement: FrameJudgement) -> dict[str, Any]:
-    """The answers' columns that differ between rows.
-
-    Codes and flat buffers are taken over.
-    """
+def _arrays(solution: FrameSolution, judged: FrameJudgement) -> dict[str, Any]:
+    """The answers' columns that differ from row to row: codes and flat buffers are taken over."""
     from dubins_study.study.judging.verdict_frame import TEXTS
 
-    columns: dict[str, Any] = judgement._asdict()
+    columns: dict[str, Any] = judged._asdict()
     for name, texts in TEXTS.items():
         columns[name] = _texts(columns[name], texts)
     if not isinstance(solution.claim, Claim):
@@ -154,25 +142,24 @@ def _arrays(solution: FrameSolution, judgement: FrameJudgement) -> dict[str, Any
 def _certificates(
     frame: pd.DataFrame,
     solution: FrameSolution,
-    judgement: FrameJudgement,
+    judged: FrameJudgement,
     branch: str,
     allowed: Tolerances,
 ) -> dict[str, Any]:
     """The certificate's columns, row by row."""
     bounds = solution.lower_bound
-    rows = []
-    for number, scenario in enumerate(scenarios_of(frame)):
-        lower_bound = None if bounds is None else float(bounds[number])
+    found = []
+    for row, scenario in enumerate(scenarios_of(frame)):
         certificate = certify(
             scenario,
-            solution.paths.path(number, scenario),
-            judgement.row(number),
+            solution.paths.path(row, scenario),
+            judged.row(row),
             branch,
-            lower_bound=lower_bound,
+            lower_bound=None if bounds is None else float(bounds[row]),
             tolerances=allowed,
         )
-        rows.append(vars(certificate))
-    return _columns(rows, columns(Certificate))
+        found.append(vars(certificate))
+    return _columns(found, columns(Certificate))
 
 
 def _texts(codes: Any, texts: Iterable[str]) -> Any:
@@ -188,15 +175,13 @@ def _storable(text: str) -> str:
 
 
 def _constant(value: Any, kind: str, n: int) -> Any:
-    """A column of one value; None is missing."""
+    """A column of one value; None is a missing one."""
     missing = value is None
     match kind:
         case "string":
-            code = 255 if missing else 0
-            return _texts(np.full(n, code, np.uint8), [value or ""])
+            return _texts(np.full(n, 255 if missing else 0, np.uint8), [value or ""])
         case "float64":
-            number = np.nan if missing else value
-            return np.full(n, number)
+            return np.full(n, np.nan if missing else value)
         case "int64":
             return pd.arrays.IntegerArray(np.full(n, value or 0), np.full(n, missing))
         case "bool":
@@ -205,10 +190,7 @@ def _constant(value: Any, kind: str, n: int) -> Any:
 
 
 def _controls(paths: Paths) -> tuple[Any, Any]:
-    """Curvatures and lengths as list columns.
-
-    They lie over two flat buffers; a row without a path is null.
-    """
+    """Curvatures and lengths as list columns over two flat buffers; null where there is no path."""
     from dubins_study.study.closed_form.kernel import flatten
     from dubins_study.study.closed_form.kernel_compile import loop_input
 
@@ -226,49 +208,41 @@ def _controls(paths: Paths) -> tuple[Any, Any]:
 
 
 def checked(scenarios: pd.DataFrame) -> tuple[pd.DataFrame, pd.DataFrame]:
-    """The scenarios of a frame, and its other columns.
+    """The scenarios as `check_frame` returns them, and the columns that are carried along.
 
-    The scenarios are as `check_frame` returns them; the other columns are carried along. An
-    answer's columns are neither, so that rows of answers can be asked again.
+    An answer's columns are neither, so that rows of answers can be asked again.
     """
     if not isinstance(scenarios, pd.DataFrame):
         return check_frame(scenarios), pd.DataFrame()
-    of_scenarios = {*names(SCENARIO), "via"}
+    known = {*names(SCENARIO), "via"}
     # a column that is missing has a default, which a slip of its name must not bring about
     missing = [name for name in DEFAULTS if name not in scenarios]
     of_answers = {*names(ANSWER)}
-    is_read = np.array(
+    own = np.array(
         [
-            name in of_scenarios or (name not in of_answers and bool(nearest(name, missing)))
+            name in known or (name not in of_answers and bool(nearest(name, missing)))
             for name in scenarios
         ],
         np.bool_,
     )
-    others = scenarios.loc[:, ~is_read & ~scenarios.columns.isin(of_answers)]
+    others = scenarios.loc[:, ~own & ~scenarios.columns.isin(of_answers)]
     # a choice of columns would copy them
-    frame = scenarios if is_read.all() else scenarios.loc[:, is_read]
-    return check_frame(frame), others
+    return check_frame(scenarios if own.all() else scenarios.loc[:, own]), others
 
 
 def with_others(rows: pd.DataFrame, others: pd.DataFrame) -> pd.DataFrame:
-    """Rows of answers, with the columns carried along."""
+    """Rows of answers, then the columns that were carried along."""
     return pd.concat([rows, others], axis=1) if others.shape[1] else rows
 
 
 def _parts(frame: pd.DataFrame) -> list[tuple[Kind, Any]]:
-    """The kinds of a checked frame's rows.
-
-    Each has the places of its rows. A frame without rows is one of legs.
-    """
+    """The kinds of a checked frame's rows, and the places of each; one of no rows is of legs."""
     places = [(kind, np.flatnonzero(rows_of(frame, kind))) for kind in KINDS]
     return [(kind, those) for kind, those in places if len(those)] or places[:1]
 
 
 def check_branches(frame: pd.DataFrame, branch: str) -> None:
-    """Refuse a branch that a row cannot have.
-
-    The frame is a checked one.
-    """
+    """Refuse a branch that a row of a checked frame cannot have."""
     firsts = sorted(int(places[0]) for _, places in _parts(frame) if len(places))
     for place in firsts:
         try:
@@ -278,31 +252,22 @@ def check_branches(frame: pd.DataFrame, branch: str) -> None:
 
 
 def questions(frame: pd.DataFrame, branch: str) -> Iterator[Question]:
-    """The questions of a checked frame, row by row.
-
-    It has passed `check_frame`.
-    """
+    """The questions of a frame that has passed `check_frame`, row by row."""
     return (Question(scenario, branch) for scenario in scenarios_of(frame))
 
 
 def row_by_row(frame: pd.DataFrame, answers: Iterable[Answer]) -> pd.DataFrame:
-    """The frame of single answers.
-
-    It has one row for each row of the frame of scenarios.
-    """
+    """The frame of single answers, one for each row of the frame of scenarios."""
     return _framed(frame, _columns([answer.row() for answer in answers], ANSWER), {})
 
 
 def _columns(rows: list[dict[str, Any]], of: tuple[Column, ...]) -> dict[str, Any]:
-    """The columns of rows from single answers."""
+    """The columns of rows that were found one by one."""
     return {c.name: _typed([row[c.name] for row in rows], c.type) for c in of}
 
 
 def _typed(values: Sequence[Any], kind: str) -> Any:
-    """A column of single values.
-
-    It has the dtype that `_constant` gives it.
-    """
+    """A column of single values with the dtype that `_constant` gives it."""
     match kind:
         case "string":
             texts = [None if value is None else _storable(str(value)) for value in values]
@@ -319,10 +284,7 @@ def _typed(values: Sequence[Any], kind: str) -> Any:
 def _framed(
     frame: pd.DataFrame, arrays: dict[str, Any], of_all_rows: Mapping[str, Any]
 ) -> pd.DataFrame:
-    """The rows of a frame: scenarios, then answers.
-
-    A column in neither is missing.
-    """
+    """The rows of a frame: scenarios, then answers; a column in neither is missing."""
     every = {name: frame[name] for name in names(SCENARIO)} | arrays
     # one array of nulls serves all columns of its type
     constant = cache(partial(_constant, n=len(frame)))
@@ -333,7 +295,7 @@ def _framed(
 
 
 def _in_order(parts: list[tuple[Any, pd.DataFrame]], frame: pd.DataFrame) -> pd.DataFrame:
-    """The rows of a frame's parts, in its order."""
+    """The rows of the parts of a frame, each at its places there."""
     _, first = parts[0]
     if len(parts) == 1:
         return first

@@ -1,4 +1,4 @@
-"""A solver's reply to a question, with its times."""
+"""A question put to a solver and timed, and what comes back of it."""
 
 from __future__ import annotations
 
@@ -14,18 +14,17 @@ from dubins_study.study.words import NEEDS, Claim, Outcome
 
 # Long enough for every backend on every question; a solve here lasts microseconds to seconds.
 DEFAULT_LIMIT = 60.0
-# Share of the limit that a solver does not get; the time of building is taken off as well. An
-# engine that ends on the second still has to hand over its answer: after the limit it is a failure.
+# The part of its limit that a solver is not told of, nor of what building took: an engine that ends
+# on the second still has to hand over its answer, and one after the limit is a failure.
 _HELD_BACK = 0.05
 
 _NO_TIMES = Times()
 
 
 class Reply(NamedTuple):
-    """The answer to a question, not judged yet.
+    """The answer to a question, not judged yet, with what its row records of the solve.
 
-    It has all that its row records of the solve. What follows the times is filled in by the worker
-    of a run.
+    What follows the times is filled in by the worker of a run.
     """
 
     outcome: Outcome
@@ -34,15 +33,12 @@ class Reply(NamedTuple):
     started: str = ""  # when the solve started (UTC, ISO 8601); empty if it did not start
     versions: str = ""  # of the solver's libraries, as JSON
     code_digest: str = ""  # of the solver's code (see `code_digest`); empty if it did not load
-    memory_mib: float | None = None  # memory that the solve added to its process
-    floor_s: float | None = None  # time of the engine for a trivial problem
+    memory_mib: float | None = None  # what the solve added to the memory of its process
+    floor_s: float | None = None  # what the engine takes for a trivial problem
 
 
 def no_answer(outcome: Outcome, message: str, times: Times = _NO_TIMES, status: str = "") -> Reply:
-    """The reply of a solver that did not answer.
-
-    Its message tells why.
-    """
+    """The reply of a solver that did not answer, and why."""
     return Reply(outcome, Solution(Claim.NONE, native_status=status, message=message), times)
 
 
@@ -52,9 +48,7 @@ def ask(
     limit: float = DEFAULT_LIMIT,
     raised: Callable[[BaseException], None] | None = None,
 ) -> Reply:
-    """Put a question to a solver, and time it.
-
-    A solver is not asked if its presolve answers the question.
+    """Put a question to a solver, unless its presolve answers it, and time it.
 
     What a solver raises is its reply; `raised` is called with the exception, which has its
     traceback.
@@ -72,11 +66,11 @@ def ask(
     began = perf_counter()
     built = None
     try:
-        presolve_solution = presolved(question) if solver.presolve is True else None
-        model = presolve_solution or solver.build(question)
+        known = presolved(question) if solver.presolve is True else None
+        model = known or solver.build(question)
         built = perf_counter()
-        limit_left = max((1 - _HELD_BACK) * limit - (built - began), _HELD_BACK * limit)
-        solution = presolve_solution or solver.solve(model, limit_left)
+        left = max((1 - _HELD_BACK) * limit - (built - began), _HELD_BACK * limit)
+        solution = known or solver.solve(model, left)
         ended = perf_counter()
         if not isinstance(solution, Solution):
             raise TypeError(f"solve returned {type(solution).__name__}; expected a Solution")
@@ -88,19 +82,15 @@ def ask(
             raised(error)
         build = None if built is None else built - began
         outcome = Outcome.OUT_OF_MEMORY if isinstance(error, MemoryError) else Outcome.RAISED
-        times = Times(build_s=build, wall_s=ended - began)
-        return no_answer(outcome, exception_text(error), times)
-    times = Times(build_s=built - began, solve_s=ended - built, wall_s=ended - began)
-    return Reply(Outcome.RETURNED, solution, times)
+        return no_answer(outcome, exception_text(error), Times(build, None, ended - began))
+    return Reply(Outcome.RETURNED, solution, Times(built - began, ended - built, ended - began))
 
 
 _CLOCKS_APART_S = 1e-3  # that two readings of the machine's clocks may differ by
 
 
 def with_possible_times(reply: Reply, waited_s: float) -> Reply:
-    """The reply; `raised` if a time is impossible.
-
-    The caller waited for `waited_s`: no time of the reply can be longer.
+    """The reply; it is `raised` if a time is impossible for a caller who waited that long.
 
     A library may replace the clock of the process that solves.
     """
@@ -117,10 +107,7 @@ _MAX_MESSAGE_CHARS = 2000  # a row is no place for more
 
 
 def exception_text(error: BaseException) -> str:
-    """The name and message of an exception.
-
-    Its own conversion to text may fail as well.
-    """
+    """The name and message of an exception, whose own conversion to text may fail as well."""
     name = type(error).__name__
     try:
         text = str(error)
