@@ -1,4 +1,7 @@
-"""Angles as people write them: `120deg`, `2.0944`, `2pi/3`."""
+"""Read angles as people write them.
+
+Examples are `120deg`, `2.0944` and `2pi/3`.
+"""
 
 from __future__ import annotations
 
@@ -21,10 +24,15 @@ class AngleError(DubinsStudyError, ValueError):
 
 
 def parse_angle(text: str | float) -> float:
-    """Angle in radians, counter-clockwise, from a number (radians) or a text.
+    """Angle in radians, from a number or a text.
 
-    A text is like `120deg`, `2.0944`, `7rad`, `-pi/2`, `2pi/3` or `0.5*pi`; without a unit, and as
-    a number, it is in radians, up to a full turn. Anything else is an `AngleError`.
+    Angles are counter-clockwise. A number is in radians. A text is like `120deg`, `2.0944`, `7rad`,
+    `-pi/2`, `2pi/3` or `0.5*pi`.
+
+    A number, or a text without a unit, may be at most a full turn.
+
+    Raises:
+        AngleError: if it is not an angle.
     """
     value = _evaluate(str(text).strip())
     if value is None or not math.isfinite(value):

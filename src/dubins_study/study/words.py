@@ -1,4 +1,7 @@
-"""The words of the study: letters, branches, formulations, and what may be said of an answer."""
+"""Words of the study, as constants and types.
+
+They name letters, branches, formulations, claims and verdicts.
+"""
 
 from __future__ import annotations
 
@@ -54,7 +57,7 @@ SAME_CODE = MappingProxyType({"Bonmin": "Ipopt", "NLopt SLSQP": "SLSQP", "Uno fi
 
 
 class Formulation(NamedTuple):
-    """A mathematical problem that is handed to engines."""
+    """A mathematical problem handed to engines."""
 
     name: str  # the column `formulation` of rows
     short: str  # its name beside an engine's in figures
@@ -189,7 +192,7 @@ BY_NAME = {formulation.name: formulation for formulation in FORMULATION_LIST}
 
 
 class Order(StrEnum):
-    """Whether the via points of a scenario are passed in their order, or in any."""
+    """Order in which via points are passed."""
 
     GIVEN = "given"
     FREE = "free"
@@ -199,7 +202,7 @@ class Order(StrEnum):
 
 
 class Outcome(StrEnum):
-    """The way in which the call of a solver ended."""
+    """How the call of a solver ended."""
 
     RETURNED = "returned"
     TIMEOUT = "timeout"
@@ -214,7 +217,7 @@ class Outcome(StrEnum):
 
 
 class Claim(StrEnum):
-    """What a solver says of its answer, strongest first."""
+    """A solver's claim about its answer, strongest first."""
 
     OPTIMAL = "optimal"
     LOCAL = "local"
@@ -231,7 +234,7 @@ DENIALS = (Claim.INFEASIBLE, Claim.LOCALLY_INFEASIBLE)
 
 
 class Verdict(StrEnum):
-    """What the check finds."""
+    """Finding of the check about an answer."""
 
     OPTIMAL = "optimal"
     LONGER = "longer"
@@ -242,13 +245,13 @@ class Verdict(StrEnum):
 
 
 class Proof(StrEnum):
-    """How far the proof of an answer goes, furthest first.
+    """How far an answer's proof goes, furthest first.
 
     * proved: the length is within tolerance of a proven interval around the shortest lengths of
-      the targets within delta, and the path is an extremal, for `best` also clear of its cut (of
-      LR and RL the interval alone decides); or there is provably no path, and none was returned.
-      Of a word's few paths the interval holds the shortest, so that its cut says nothing.
-      Of a route, and of a leg with a final heading, the interval alone decides too.
+      the targets within delta, and the path is an extremal, for `best` also clear of its cut. A
+      single word has few paths and the interval holds the shortest, so the cut adds nothing. For
+      LR and RL, for a route, and for a leg with a final heading the interval alone decides. An
+      answer without a path is proved if provably none exists.
     * bounded: the solver's own lower bound is within the tolerance, and contradicts nothing.
     * extremal: an arriving path that satisfies Pontryagin's conditions.
     * none: none of these.
@@ -261,7 +264,10 @@ class Proof(StrEnum):
 
 
 def short_word(word: str, most: int = 60) -> str:
-    """A word of up to `most` characters; of a longer one the beginning and how much it has."""
+    """Word shortened to `most` characters.
+
+    A longer word keeps its beginning, with the number of its legs or letters.
+    """
     if len(word) <= most:
         return word
     shown = word[:most].rpartition(" ")[0] or word[:most]

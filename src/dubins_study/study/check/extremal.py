@@ -1,16 +1,17 @@
-"""Pontryagin's conditions and the cut, checked from a path's controls alone.
+"""Check Pontryagin's conditions and the cut.
 
-In the paper's convention (2.3)-(2.15): H = nu0 + nu1 cos theta + nu2 sin theta + nu3 u is
-minimised and zero, with u the curvature in units of 1 / radius and positions in radii. The paper
-leaves out nu0 >= 0, (nu0, nu) not all zero, and nu3 = 0 at the free final heading. On an
-extremal all of
+A path's controls alone decide. In the paper's convention (2.3)-(2.15), H = nu0 + nu1 cos theta +
+nu2 sin theta + nu3 u is minimised and zero, with u the curvature in units of 1 / radius and
+positions in radii. The paper leaves out nu0 >= 0, (nu0, nu) not all zero, and nu3 = 0 at the free
+final heading. On an extremal all of
 
     H = 0 on every piece,    nu3 = 0 on every straight,    nu3 = 0 at the end
 
 are linear in (nu0, nu1, nu2, nu3 at the end): nu3 = nu1 (y - y_end) - nu2 (x - x_end) + constant.
-So the costates are the null vector of a small matrix, and how far a path is from being an
-extremal is how far that matrix is from having one (docs/derivation.md, section 9). The words S, C,
-CS and CC at full rate have them in closed form (`two_arcs.costates`), which is ten times as quick.
+So the costates are the null vector of a small matrix. The distance of a path from being an extremal
+is the distance of that matrix from having a null vector (docs/derivation.md, section 9). The words
+S, C, CS and CC at full rate have their costates in closed form (`two_arcs.costates`), which is ten
+times as quick.
 """
 
 from __future__ import annotations
@@ -46,10 +47,11 @@ Row = tuple[float, float, float, float]
 
 
 class Extremal(NamedTuple):
-    """What Pontryagin's conditions say of a path; columns of `study.rows.schema.Certificate`.
+    """Findings of Pontryagin's conditions on a path.
 
-    Residuals are for costates scaled to max(nu0, |(nu1, nu2)|) = 1, and nu3 is divided by the
-    path's length in radii where that exceeds 1, so that they are errors of angles.
+    They are columns of `study.rows.schema.Certificate`. Residuals are for costates scaled to
+    max(nu0, |(nu1, nu2)|) = 1, and nu3 is divided by the path's length in radii where that exceeds
+    1, so that they are errors of angles.
     """
 
     costate_x: float  # nu1, nu2 at the end, in the world frame; nu0 = 1, or norm 1 if abnormal
@@ -66,13 +68,16 @@ class Extremal(NamedTuple):
 
 
 def measure(path: Path, radius: float, free: bool = True) -> tuple[Extremal | None, float | None]:
-    """The costates of a path of one leg that can be driven, and the cut margin if `free`.
+    """Costates of a one-leg path, and its cut margin.
 
-    `free` says whether the final heading is. The cut margin says by how much (rad) a path stays
-    clear of where another one becomes shorter. A path with a margin above zero is shortest to its
-    own end point, and only such a path is (docs/derivation.md, section 10). None of a path that is
-    not of a word S, C, CS or CC at full rate, which no shortest path can be. Neither of a path
-    whose numbers overflow in units of the radius, which fits no scenario.
+    The path is one that can be driven; `free` says whether its final heading is. The cut margin is
+    measured if `free`. It says by how much (rad) a path stays clear of where another one becomes
+    shorter. A path with a margin above zero is shortest to its own end point, and only such a path
+    is (docs/derivation.md, section 10).
+
+    The margin is None if the path is not of a word S, C, CS or CC at full rate, which no shortest
+    path can be. Both are None for a path whose numbers overflow in units of the radius, which fits
+    no scenario.
     """
     rates = [k * radius for k in path.curvatures.tolist()]
     lengths = [length / radius for length in path.lengths.tolist()]
@@ -95,9 +100,10 @@ def measure(path: Path, radius: float, free: bool = True) -> tuple[Extremal | No
 
 
 def _word(u: list[float], length: list[float], free: bool) -> Word | None:
-    """Rates and lengths of S, C, CS or CC at full rate, of CSC or CCC if the heading is given.
+    """Rates and lengths of a path's word.
 
-    None if pieces are another path.
+    The word is S, C, CS or CC at full rate, or CSC or CCC if the heading is given. None if the
+    pieces are another path.
     """
     rates = [nearest_rate(k) for k in u]
     total = sum(length)
@@ -120,13 +126,15 @@ def _word(u: list[float], length: list[float], free: bool) -> Word | None:
 
 
 def pieces(rate: list[float], length: list[float]) -> tuple[list[float], list[float]]:
-    """Rates and lengths (radii) of the pieces of a path that matter, or of all of them.
+    """Rates and lengths (radii) of the pieces that matter.
 
-    Rates within `FULL_RATE` of +1, 0 or -1 are these, neighbours of one rate are joined, what turns
-    by less than `NO_TURN` is straight, and a straight shorter than `NO_LENGTH` is left out: solvers
-    return such arcs where they mean none. Small things add up, and far away a small turn is a long
-    way: if that merged path ends elsewhere or is shorter than the driven one by more than the check
-    allows, it is another path, and the driven one's own pieces stand.
+    Rates within `FULL_RATE` of +1, 0 or -1 are these, and neighbours of one rate are joined. A
+    piece that turns by less than `NO_TURN` is straight, and a straight shorter than `NO_LENGTH` is
+    left out: solvers return such arcs where they mean none.
+
+    Small things add up, and far away a small turn is a long way. If that merged path ends elsewhere
+    or is shorter than the driven one by more than the check allows, it is another path. Then the
+    driven one's own pieces are returned.
     """
     if _apart(rate, length):
         return rate, length
@@ -149,7 +157,10 @@ def _merged(rate: FloatArray, scaled: FloatArray) -> tuple[FloatArray, FloatArra
 
 
 def _is_same(merged: tuple[FloatArray, FloatArray], driven: tuple[FloatArray, FloatArray]) -> bool:
-    """Whether a merged path is the driven one, its end and its length compared."""
+    """Whether a merged path is the driven one.
+
+    Their ends and their lengths are compared.
+    """
     before = float(driven[1].sum())
     allowed = allowed_miss(ARRIVES, 1.0, 0.0, before)
     if not abs(before - float(merged[1].sum())) <= allowed:
@@ -160,9 +171,10 @@ def _is_same(merged: tuple[FloatArray, FloatArray], driven: tuple[FloatArray, Fl
 
 
 def _apart(u: list[float], length: list[float]) -> bool:
-    """Whether every piece turns or is a straight that matters, and no neighbours are of one rate.
+    """Whether no pieces need to be merged.
 
-    True of most paths of few pieces, which then need no further work.
+    Every piece turns or is a straight that matters, and no neighbours are of one rate. That is true
+    of most paths of few pieces, which then need no further work.
     """
     least = NO_LENGTH * min(1.0, sum(length))
     # first what a path cut into many steps fails at once
@@ -173,7 +185,7 @@ def _apart(u: list[float], length: list[float]) -> bool:
 
 
 def _joined(u: FloatArray, length: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Neighbours of one rate made one."""
+    """Merge neighbours of one rate."""
     if u.size < 2:
         return u, length
     first = np.concatenate(([0], 1 + np.flatnonzero(np.abs(u[1:] - u[:-1]) > FULL_RATE)))
@@ -184,10 +196,10 @@ def _joined(u: FloatArray, length: FloatArray) -> tuple[FloatArray, FloatArray]:
 def extremal(
     heading: float, u: list[float], length: list[float], free: bool = True
 ) -> Extremal | None:
-    """The costates that fit a path best, and how well; None where the conditions overflow.
+    """Costates that fit a path best, with residuals.
 
-    The path starts with a heading (rad) and has pieces of rates u and lengths (radii); `free` says
-    whether its final heading is.
+    None where the conditions overflow. The path starts with a heading (rad) and has pieces of rates
+    u and lengths (radii); `free` says whether its final heading is.
     """
     # in the frame of the start, where angles are small; the costates are turned back at the end
     asked = conditions(u, length, _ORIGIN)
@@ -226,7 +238,10 @@ def extremal(
 
 
 class Conditions(NamedTuple):
-    """The conditions on the costates of a path, linear in nu0, nu1, nu2 and nu3 at its end."""
+    """Conditions on the costates of a path.
+
+    They are linear in nu0, nu1, nu2 and nu3 at its end.
+    """
 
     hamiltonian: list[Row]  # H on every piece
     straight: list[Row]  # nu3 at the ends of straights, divided by `stretch`
@@ -237,7 +252,10 @@ class Conditions(NamedTuple):
 
 
 def conditions(u: list[float], length: list[float], start: Pose) -> Conditions | None:
-    """The conditions of n pieces of rates u; None where they are lost in rounding or overflow."""
+    """Conditions of n pieces of rates u.
+
+    None where they are lost in rounding or overflow.
+    """
     driven = np.array(length)
     # a straight that bends is looked at in its middle too: nu3 may vanish at both its ends alone
     halves = np.array([2 if k != 0 and abs(k) < 1 - FULL_RATE else 1 for k in u], np.intp)
@@ -269,5 +287,5 @@ def conditions(u: list[float], length: list[float], start: Pose) -> Conditions |
 
 
 def largest(rows: list[Row], nu: list[float]) -> float:
-    """The worst violation of some conditions."""
+    """Worst violation of some conditions."""
     return max((abs(sum(map(mul, row, nu))) for row in rows), default=0.0)

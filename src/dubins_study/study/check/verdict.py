@@ -1,4 +1,7 @@
-"""What a path does at the points of its scenario, its word, and what may be claimed of it."""
+"""Measure a path at the points of its scenario.
+
+It also names the path's word, and says which claims about it are false.
+"""
 
 from __future__ import annotations
 
@@ -32,10 +35,10 @@ _ANOTHER_TURN = 1.0
 
 
 def visited(scenario: Scenario, visits: Visits, end: Pose) -> Scenario:
-    """The scenario whose points are those that a path visits on its way to its end.
+    """Scenario of the points that a path visits.
 
-    Points that are one for a path are one point of that scenario. What is closed still ends as it
-    starts.
+    Its end is the path's end. Points that the path visits at one place are one point of that
+    scenario. A closed scenario still ends as it starts.
     """
     stops = []
     for i, pose in zip(visits.order, visits.poses, strict=True):
@@ -61,24 +64,31 @@ def visited(scenario: Scenario, visits: Visits, end: Pose) -> Scenario:
 
 
 def path_word_of(path: Path) -> str:
-    """The word of a path that can be driven, however many arcs it is cut into."""
+    """Word of a path that can be driven.
+
+    The path may be cut into any number of arcs.
+    """
     return path.word(WORD if path.lengths.size <= 3 else DISCRETISED_WORD)
 
 
 def is_wrong_basin(
     path: Path, word: str, gap: float, words: Sequence[str], turns: Sequence[float]
 ) -> bool:
-    """Whether a longer path is another local optimum than those of some words and net turns."""
+    """Whether a longer path is another local optimum.
+
+    It is compared with the optima of some words and net turns.
+    """
     another_word, turn = gap > COARSE and word not in words, path.turn
     return another_word or all(abs(turn - best) > _ANOTHER_TURN for best in turns)
 
 
 def curvature_excess(curvature: Sequence[float], branch: str) -> float:
-    """Largest amount by which curvatures leave what a branch allows, in units of 1 / radius.
+    """Largest excess of curvatures over a branch's range.
 
-    `best` allows [-1, 1]; `LS` [0, 1] and `RS` [-1, 0], since where the word exists no path of
-    one-sided turning is shorter (docs/derivation.md, section 8); any other word allows only +1, 0
-    and -1 of its letters, in their order. Arcs of no length are left out of `curvature`.
+    Curvatures and the excess are in units of 1 / radius. `best` allows [-1, 1]; `LS` [0, 1] and
+    `RS` [-1, 0], since where the word exists no path of one-sided turning is shorter
+    (docs/derivation.md, section 8); any other word allows only +1, 0 and -1 of its letters, in
+    their order. Arcs of no length are left out of `curvature`.
     """
     if not curvature:
         return 0.0
@@ -100,7 +110,7 @@ def curvature_excess(curvature: Sequence[float], branch: str) -> float:
 
 
 class Seen(NamedTuple):
-    """What a path does at the points of its scenario."""
+    """Measurements of a path at its scenario's points."""
 
     visits: Visits
     end: Pose
@@ -111,7 +121,9 @@ class Seen(NamedTuple):
 
 
 def visits_of(scenario: Scenario, path: Path, allowed: float) -> Visits:
-    """The earliest visit of each via point; where their order is given, after the one before.
+    """Earliest visit of each via point.
+
+    Where the order is given, each visit comes after the one before.
 
     Args:
         allowed: how near the path has to come (length unit).
@@ -121,7 +133,10 @@ def visits_of(scenario: Scenario, path: Path, allowed: float) -> Visits:
 
 
 def seen_of(scenario: Scenario, path: Path, branch: str, tolerances: Tolerances) -> Seen:
-    """What a path that can be driven does at the points of a scenario."""
+    """Measure a path at the points of its scenario.
+
+    The path is one that can be driven.
+    """
     radius, extent, length, end = scenario.radius, scenario.extent, path.length, path.end
     pieces = zip(path.curvatures.tolist(), path.lengths.tolist(), strict=True)
     excess = curvature_excess([k * radius for k, s in pieces if s > 0], branch)
@@ -138,7 +153,10 @@ def seen_of(scenario: Scenario, path: Path, branch: str, tolerances: Tolerances)
 
 
 def words_of(path: Path, at: Sequence[float], radius: float) -> str:
-    """The words of a path's legs, which end at the arc lengths `at`, with spaces between."""
+    """Words of a path's legs, with spaces between.
+
+    The legs end at the arc lengths `at`.
+    """
     return " ".join(map(path_word_of, legs(path, at, radius)))
 
 

@@ -1,7 +1,8 @@
-"""Sine, cosine and arctangent that LLVM can vectorise: polynomials and selects, no branch, no call.
+"""Sine, cosine and arctangent that LLVM can vectorise.
 
-Correct to about one ulp, in strict IEEE arithmetic; the fused multiply-add is asked for by name,
-so every machine gives the same bits (one without the instruction is slow, not different).
+They consist of polynomials and selects, without branches and calls. They are correct to about one
+ulp, in strict IEEE arithmetic. The fused multiply-add is asked for by name, so every machine gives
+the same bits (one without the instruction is slow, not different).
 
 The coefficients are Chebyshev interpolants found with mpmath at 40 digits,
 `chebyfit(f, [0, z_max], n)`, of (z = the argument squared)
@@ -83,7 +84,10 @@ fma: Callable[[float, float, float], float] = _intrinsic(_fma)
 
 @inlined
 def _polynomial(coefficients: tuple[float, ...], z: float) -> float:
-    """... + c1 z + c0 by Horner's rule, rounded once a step; the highest power's c comes first."""
+    """Polynomial by Horner's rule, rounded once a step.
+
+    It is ... + c1 z + c0; the coefficient of the highest power comes first.
+    """
     value = 0.0
     for coefficient in coefficients:
         value = fma(value, z, coefficient)
@@ -92,9 +96,10 @@ def _polynomial(coefficients: tuple[float, ...], z: float) -> float:
 
 @inlined
 def reduced(angle: float) -> tuple[float, float]:
-    """An angle (rad) of at most `LARGEST_ANGLE` less the quarter turns nearest to it.
+    """Angle less its nearest quarter turns.
 
-    Returns the rest, in [-pi/4, pi/4], and the number of quarter turns.
+    The angle (rad) is at most `LARGEST_ANGLE`. Returns the rest, in [-pi/4, pi/4], and the number
+    of quarter turns.
     """
     quarters = fma(angle, _TWO_OVER_PI, _ROUNDER) - _ROUNDER
     rest = fma(quarters, -_HALF_PI[1], fma(quarters, -_HALF_PI[0], angle))
@@ -103,20 +108,26 @@ def reduced(angle: float) -> tuple[float, float]:
 
 @inlined
 def quarters_of_turn(quarters: float) -> float:
-    """A whole number of quarter turns without full turns: 0, 1, 2 or 3."""
+    """Quarter turns without full turns: 0 to 3."""
     full_turns: float = np.floor(0.25 * quarters)
     return quarters - 4.0 * full_turns
 
 
 @inlined
 def quarter_turns(number: float, rest: float) -> float:
-    """A small number of quarter turns and a rest, as one angle (rad)."""
+    """Angle (rad) of some quarter turns and a rest.
+
+    The number of quarter turns is small.
+    """
     return fma(number, _HALF_PI[0], fma(number, _HALF_PI[1], rest))
 
 
 @inlined
 def sine_cosine(angle: float) -> tuple[float, float]:
-    """Sine and cosine of an angle (rad) of at most `LARGEST_ANGLE`."""
+    """Sine and cosine of an angle (rad).
+
+    The angle is at most `LARGEST_ANGLE`.
+    """
     r, quarters = reduced(angle)
     z = r * r
     sine = fma(r * z, _polynomial(_SINE, z), r)
@@ -134,10 +145,11 @@ def sine_cosine(angle: float) -> tuple[float, float]:
 
 @inlined
 def upper_arctangent(y: float, x: float) -> float:
-    """atan2(y, x) for y >= 0: the angle of (x, y), from 0 to pi; 0 at the origin.
+    """atan2(y, x) for y that is not negative.
 
-    The slope is brought to [-tan(pi/8), tan(pi/8)] by turning (|x|, y) back by 0, pi/4 or pi/2,
-    which is done before the one division.
+    It is the angle of (x, y), from 0 to pi, and 0 at the origin. The slope is brought to
+    [-tan(pi/8), tan(pi/8)] by turning (|x|, y) back by 0, pi/4 or pi/2, which is done before the
+    one division.
     """
     a = abs(x)
     steep = y > _TAN_3PI_8 * a
@@ -158,7 +170,10 @@ def upper_arctangent(y: float, x: float) -> float:
 
 @inlined
 def full_arctangent(y: float, x: float) -> float:
-    """The angle of (x, y), from 0 to 2 pi; 0 at the origin."""
+    """Angle of (x, y), from 0 to 2 pi.
+
+    It is 0 at the origin.
+    """
     angle = upper_arctangent(abs(y), x)
     other = TWO_PI - angle
     return other if y < 0.0 else angle

@@ -1,4 +1,6 @@
-"""How far the proof of an answer goes, from its controls, the scenario and a bound if there is one.
+"""Certify how far the proof of an answer goes.
+
+The certificate needs the answer's controls, the scenario, and a bound if there is one.
 
 Pontryagin's conditions and the cut margin (`check.extremal`) prove that a path is the shortest to
 its own end point. An interval around the reference length (`check.enclosure`) proves that no
@@ -91,14 +93,20 @@ def certify(
 
 
 def _is_extremal(costates: Extremal | None, length: float) -> bool:
-    """Whether Pontryagin's conditions hold of a path, up to the rounding of its length (radii)."""
+    """Whether Pontryagin's conditions hold of a path.
+
+    They hold up to the rounding of its length (radii).
+    """
     if costates is None:
         return False
     return costates.pmp_residual <= PMP_TOLERANCE + PMP_ROUNDING * length
 
 
 def _columns(costates: Extremal | None, multipliers: tuple[float, float] | None) -> dict[str, Any]:
-    """What the costates are in a row's columns, and how far multipliers are from them."""
+    """Columns of the costates in a row.
+
+    They include the distance of the multipliers from the costates.
+    """
     if costates is None:
         return {}
     error = None
