@@ -12,10 +12,10 @@ from dubins_study.errors import DubinsStudyError
 from dubins_study.study.values import short
 
 _NUMBER = r"(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
-# sign, number, unit, or pi and what it is divided by
+# sign, number, unit; or pi and its divisor
 _ANGLE = re.compile(rf"([+-]?)({_NUMBER})?\s*(?:(deg|°|rad)|\*?\s*(pi)(?:\s*/\s*({_NUMBER}))?)?")
 TWO_PI = 2 * math.pi  # rad, a full turn
-# rad, of a number without a unit; a full turn written with few digits, such as 6.2832, is still one
+# rad; largest number without a unit. A full turn may be written with few digits, such as 6.2832.
 LARGEST_BARE = TWO_PI * (1 + 1e-4)
 
 

@@ -11,9 +11,10 @@ from typing import NamedTuple
 from dubins_study.study.scenario import Scenario
 
 EPS = math.ulp(1.0)
-# What the data's own rounding and the transformation's do to a target, in EPS: twice half an ulp of
-# each coordinate, and for every radius between start and target the heading's half ulp (up to pi)
-# and the roundings of the transformation and of w (docs/derivation.md, section 5).
+# Errors of a target, in EPS, by the rounding of the data and of the transformation
+# (docs/derivation.md, section 5). By extent: twice half an ulp of each coordinate. By distance: for
+# every radius between start and target the heading's half ulp (up to pi), and the roundings of the
+# transformation and of w.
 PER_EXTENT = 2.0 * EPS
 PER_DISTANCE = 12.0 * EPS
 

@@ -29,11 +29,11 @@ if TYPE_CHECKING:
 CLAIMS = tuple(Claim)
 # An arc with less than this share of the path's largest curvature counts as straight.
 RIPPLE = 1e-3
-_FEW = 7  # lengths that numpy adds in the same order as a loop does, and slower
+_FEW = 7  # lengths up to which numpy adds in the order of a loop, but slower
 _LOOPED = 24  # arcs up to which a loop is quicker than whole arrays
-_MEETS = 1e-6  # radii, and rad, between the end of a path and the start of the next
-_MOST_POINTS = 10_000_000  # of a path that is sampled by a step or handed on
-_MOST_PARTS = 100_000  # in all turns of a path that is drawn
+_MEETS = 1e-6  # radii and rad; largest gap between the end of a path and the start of the next
+_MOST_POINTS = 10_000_000  # of a path that is sampled or exported
+_MOST_PARTS = 100_000  # parts of all turns of a path that is drawn
 Piece = tuple[int, float, float]  # side (1 left, 0, -1 right), rad, length unit
 
 
@@ -307,7 +307,7 @@ class Path:
         driven = self.lengths > 0
         bend, lengths = np.abs(self.curvatures[driven]), self.lengths[driven]
         sharpest = float(bend.max(initial=0.0))
-        # what is bent by less has a radius that overflows
+        # a smaller curvature has a radius that overflows
         radius = 1 / sharpest if sharpest >= np.finfo(np.float64).tiny else None
         # a chord over the angle a of an arc of radius r is r (1 - cos(a / 2)) from the arc
         angle = 2 * np.arccos(np.maximum(1.0 - share * bend * (radius or 0.0), 0.0))
@@ -395,7 +395,7 @@ def _few_corners(start: Pose, curvatures: FloatArray, lengths: FloatArray) -> li
         turn = k * s
         turned += turn
         half = turn / 2 or 1e-20  # sin(x) / x is 1 there
-        # driven in the start's frame: added to a heading of many turns, an angle loses its digits
+        # in the start's frame, since an angle added to a heading of many turns loses its digits
         middle = turned - turn / 2
         if not math.isfinite(middle):
             forward = left = half = middle = math.nan

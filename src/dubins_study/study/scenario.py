@@ -98,7 +98,7 @@ class Scenario:
     order: Order
     closed: bool
     # Whether numbers beyond a full turn are known to be radians, and so give no warning. Those of a
-    # scenario are: `replace` passes this default on.
+    # scenario are known to be radians: `replace` passes this default on.
     _radians: InitVar[bool] = True
 
     def __init__(
@@ -336,18 +336,18 @@ NUMBERS = ("x", "y", "heading", "target_x", "target_y", "radius", "speed")  # ev
 VIA = ("via_x", "via_y", "via_heading")
 TOUR = ("order", "closed")
 COLUMNS = (*NUMBERS, "label", *VIA, "final_heading", *TOUR)  # of frames, files and rows
-# of the columns that a frame or a file may leave out: all but the target's
+# for the columns that a frame or a file may leave out: all but the target's
 DEFAULTS: dict[str, Any] = {
     **{"x": 0.0, "y": 0.0, "heading": 0.0, "radius": 1.0, "speed": 1.0, "label": ""},
     **dict.fromkeys((*VIA, "final_heading")),
     **{"order": Order.GIVEN, "closed": False},
 }
-# What tells the kinds of questions apart. `searched` is what no closed form answers: via points, or
-# a start heading that is free.
+# Fields that distinguish the kinds of questions. A scenario is `searched` if no closed form answers
+# it: it has via points, or a free start heading.
 OPTIONAL = ("via", "searched", "final_heading", "via_heading", "free_start", "order", "closed")
 POSITIVE = ("radius", "speed")
 HEADINGS = ("heading", "final_heading")
-# the same for all numbers, so that Python shows it once a line, of a heading that is integrated too
+# the same text for all numbers, so that Python warns once a line, also of an integrated heading
 DEGREES = (
     "is a number of more than a full turn, taken as radians; if it is in degrees, write the "
     "unit, such as '90deg'"
@@ -469,7 +469,7 @@ def _check_neighbours(
 
 def _label(text: str) -> str:
     try:
-        return str.encode(text).decode()  # a plain str of any subclass, as a row can hold it
+        return str.encode(text).decode()  # makes a plain str of any subclass, as a row can hold it
     except (TypeError, UnicodeError):
         raise ScenarioError(f"label is {short(text)}; expected a text") from None
 

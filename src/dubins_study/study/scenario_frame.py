@@ -103,7 +103,7 @@ def _columns_of_numbers(frame: pd.DataFrame) -> dict[str, Any] | None:
     columns["label"] = _labels(frame) if "label" in frame else ""
     if columns["label"] is None:
         return None
-    # of a row of the largest coordinates and the smallest radius of all, which few frames have
+    # as if one row had the largest coordinates and the smallest radius, which few frames have
     places = [columns[name] for name in ("x", "y", "target_x", "target_y")]
     worst = sum(max(abs(place.min()), abs(place.max())) for place in places)
     if worst > LARGEST_EXTENT * columns["radius"].min():
@@ -135,7 +135,7 @@ def _doubles(frame: pd.DataFrame, name: str) -> FloatArray | None:
         return None
     with np.errstate(over="ignore"):
         values = frame[name].to_numpy(dtype=np.float64, na_value=np.nan).view()
-    values.flags.writeable = False  # whoever gets the frame may read it
+    values.flags.writeable = False  # the frame's other readers share the array
     # min and max see NaN and both infinities without a temporary array of the frame's length
     low, high = values.min(), values.max()
     if name == "final_heading":  # free where it is NaN

@@ -126,6 +126,6 @@ def middle_of(degrees: ArrayLike) -> TangentPlane:
 
 
 def _geodesic() -> Any:
-    from geographiclib.geodesic import Geodesic  # only of what lies on Earth
+    from geographiclib.geodesic import Geodesic  # only scenarios on Earth need it
 
     return Geodesic.WGS84

@@ -15,10 +15,10 @@ from dubins_study.study.values import did_you_mean, short
 
 # radii: the largest distance to the target of a path that arrives, in every profile
 ARRIVES = 1e-6
-# rad: the largest error of a final heading that is given, in every profile. It moves nothing but
-# the heading itself, and turning by it takes as many radii of path as a target may be missed by.
+# rad: the largest error of a given final heading, in every profile. The error changes nothing but
+# the heading itself. Turning by it takes as many radii of path as a target may be missed by.
 HEADED = ARRIVES
-# of the coordinates' size and a path's length: what driving in floating point loses
+# share of the coordinates' size and a path's length that driving in floating point loses
 DRIVEN = 32.0 * EPS
 # Seconds after which the search for a route's reference ends; most take less than one. They are
 # counted in work (`kinds.shortest.BOXES_A_SECOND`): a slower machine takes longer for the same
@@ -26,7 +26,8 @@ DRIVEN = 32.0 * EPS
 # may be undecided, but never wrong.
 SEARCH_S = 20.0
 PATIENCE = 5.0
-_PATIENCE_OF_ONE = 0.8  # of a single solve, whose caller waits: the rest is for what has no clock
+# for a single solve, whose caller waits: the rest is for steps that do not check the clock
+_PATIENCE_OF_ONE = 0.8
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,7 +53,7 @@ class Tolerances:
 
 DEFAULT = Tolerances()
 # Named tolerances; a solver may add settings of its own under the same name (its `profiles`).
-# `default` calls four digits of the length optimal: what a plotted path or a flight plan can use.
+# `default` calls four digits of the length optimal, enough for a plotted path or a flight plan.
 # `accurate` asks for what an NLP solver reaches at its usual tolerance; `fast` for three digits.
 PROFILES = {
     "default": DEFAULT,

@@ -17,7 +17,7 @@ import numpy as np
 
 from dubins_study.study.arrays import FloatArray
 
-# `float` takes these, or loses a part of them; a text is a number on the command line alone
+# `float` accepts these, or loses a part of them. Only on the command line a text is a number.
 _NO_NUMBERS = (
     *(str, bytes, bytearray, memoryview, bool, complex),
     *(np.bool_, np.complexfloating, np.timedelta64, np.datetime64, np.ndarray),
@@ -149,7 +149,7 @@ def printable_values(value: Any) -> Any:
 
 
 _LEAST_ALIKE = 0.65  # difflib's ratio: twice the letters in common, over all letters of both
-_MAX_CHARS = 80  # of a name; a longer one is no slip of the fingers
+_MAX_CHARS = 80  # of a name; a longer one is no misspelling
 
 
 def nearest(name: object, known: Iterable[str]) -> str | None:

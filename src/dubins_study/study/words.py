@@ -14,11 +14,11 @@ from typing import NamedTuple
 TURN = {"L": 1.0, "S": 0.0, "R": -1.0}
 BRANCHES = ("best", "LS", "RS", "LR", "RL")  # of one leg with a free final heading
 POSE_BRANCHES = ("best", "LSL", "RSR", "LSR", "RSL", "RLR", "LRL")  # of one leg that has one given
-# Of no path, but of the convex problem that was frozen from a route and that its label names
-# (study.convex).
+# The branch without a path: the convex problem that was frozen from a route (study.convex). The
+# scenario's label names it.
 FROZEN = "frozen"
 
-# What scenarios need of a solver, and solvers say that they take.
+# Needs of scenarios, which solvers say that they take.
 VIA_POINTS = "via points"
 FREE_FINAL_HEADING = "free final heading"
 FINAL_HEADING = "final heading"
@@ -26,7 +26,7 @@ HEADINGS_AT_STOPS = "headings at stops"
 FREE_START = "free start heading"
 FREE_ORDER = "free order"
 CLOSED = "closed"
-# the field of a scenario that brings the need about, and whether by being given or left out
+# the field of a scenario that causes the need, and whether it has to be given (or left out)
 NEEDS = {
     VIA_POINTS: ("via", True),
     FREE_FINAL_HEADING: ("final_heading", False),
@@ -39,7 +39,7 @@ NEEDS = {
 # what most solvers of routes take
 IN_ORDER = frozenset({VIA_POINTS, FREE_FINAL_HEADING, FINAL_HEADING})
 
-# Kinds of engines: each reads formulations of its own; they head the table of both.
+# Kinds of engines, each with its own formulations. They are headings in the table of both.
 EXACT = "exact"
 NLP = "local NLP"
 PROVEN = "global, with proof"
@@ -51,8 +51,8 @@ MILP = "MILP"
 CONSTRAINTS = "constraint programming"
 ROUTING = "routing library"
 
-# Engines that are the code of another one: both are one unit where a sentence speaks of engines in
-# general. Bonmin solves its nodes by Ipopt, and has one node without integers.
+# Engines that share the code of another one. Both count as one engine in general statements. Bonmin
+# solves its nodes by Ipopt, and has one node without integers.
 SAME_CODE = MappingProxyType({"Bonmin": "Ipopt", "NLopt SLSQP": "SLSQP", "Uno filterSQP": "Uno"})
 
 
@@ -62,14 +62,14 @@ class Formulation(NamedTuple):
     name: str  # the column `formulation` of rows
     short: str  # its name beside an engine's in figures
     specs: Mapping[str, str]  # by kind of engine: the spec that asks for it; `{}` is the engine
-    # by kind of engine: why none of the kind can read it, if not for the usual reason
+    # by kind of engine: why none of them can read it, if the reason is unusual
     reasons: Mapping[str, str] = MappingProxyType({})
-    knows: str = ""  # of the answer: the formula, the words, or the shape of its pieces
+    knows: str = ""  # known of the answer: the formula, the words, or the shape of its pieces
     several: bool = False  # `bearing` tries several guesses a word, of one leg with a free heading
 
 
-# What initial guesses know of the answer, by the column `guess`: one is drawn toward the target,
-# `words` has one for each word, `blind` nothing of the answer's shape; random ones are ten.
+# Knowledge in initial guesses, by the column `guess`. `one` is drawn toward the target, `words` has
+# a guess for each word, `blind` knows nothing of the answer's shape. There are ten random guesses.
 GUESSES = MappingProxyType(
     {"one": "one", "bearing": "one", "words": "words", "given": "warm", "warm": "warm"}
     | {"straight": "blind", "zero": "blind", "random": "several blind"}
@@ -210,8 +210,8 @@ class Outcome(StrEnum):
     RAISED = "raised"
     OUT_OF_MEMORY = "out_of_memory"
     UNSUPPORTED = "unsupported"
-    # of a `rising` experiment: the solver failed on all shorter routes; of a file of answers: it
-    # has none
+    # in a `rising` experiment the solver failed on all shorter routes; in a file of answers there
+    # is none for this question
     NOT_ASKED = "not_asked"
     UNAVAILABLE = "unavailable"
 
@@ -229,7 +229,7 @@ class Claim(StrEnum):
     NONE = "none"
 
 
-# claims that there is no path: a proof of it, or the end of a local search
+# claims that there is no path: proven, or the end of a local search
 DENIALS = (Claim.INFEASIBLE, Claim.LOCALLY_INFEASIBLE)
 
 
@@ -241,7 +241,7 @@ class Verdict(StrEnum):
     MISSES = "misses"
     NONE = "none"
     NONE_EXISTS = "none exists"
-    UNDECIDED = "undecided"  # of a route whose proven interval is too wide to tell
+    UNDECIDED = "undecided"  # the proven interval of a route is too wide to decide
 
 
 class Proof(StrEnum):

@@ -26,7 +26,7 @@ from dubins_study.study.body_coordinates import PER_DISTANCE, PER_EXTENT
 from dubins_study.study.closed_form.pose import PER_HEADINGS, WORDS6
 from dubins_study.study.scenario import Pose, Scenario
 
-# 53 of the doubles, as many for what their differences lose, and some to spare beside delta
+# 53 bits for the doubles, 53 for the digits lost in differences, the rest to be well below delta
 _BITS = 160
 Part = tuple[float, float]
 
@@ -195,8 +195,8 @@ def _right_left(X: arb, Y: arb) -> tuple[list[arb], bool]:
     return parts, not (p >= 0 and q >= 0)
 
 
-# Each solution of a word is a list of options: of every target, one of them holds the length. There
-# are two where the targets lie on both sides of a jump.
+# Each solution of a word is a list of options. For every target, one of them holds the length.
+# There are two options where the targets lie on both sides of a jump.
 
 
 def _ceiling_of(solutions: Iterable[list[arb]]) -> arb:
@@ -398,7 +398,7 @@ def _ends(start: Pose, end: Pose, radius: float) -> _Ends:
     way = _way(start, end.x, end.y, radius)
     delta = PER_EXTENT * way.extent + PER_DISTANCE * (abs(way.x) + abs(way.y)) + PER_HEADINGS
     blur = delta.union(-delta)
-    # whole turns are told from the doubles' angle: of a heading of 1e20 they take many more digits
+    # whole turns come from the angle of the doubles; a heading of 1e20 needs many more digits
     with ctx.workprec(_BITS + max(0, math.frexp(end.heading - start.heading)[1])):
         turn = arb(end.heading) - arb(start.heading)
         turn -= 2 * arb.pi() * (turn / (2 * arb.pi())).mid().floor()
@@ -432,7 +432,7 @@ def _lengths(word: str, ends: _Ends, signs: _Signs) -> list[arb]:
         ends, signs = ends.mirrored, signs.mirrored
         word = {"RSR": "LSL", "RSL": "LSR", "RLR": "LRL"}[word]
     X, Y, turn, s, c = ends
-    # how far S leads forward, seen from both ends, or the chord of the middle arc's centres
+    # forward extent of S, seen from both ends, or of the chord of the middle arc's centres
     forward = X * c + Y * s - s
     if word == "LSR":
         if not signs.reach_lsr:

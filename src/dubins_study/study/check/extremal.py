@@ -60,7 +60,7 @@ class Extremal(NamedTuple):
     hamiltonian: float  # max |H| over the path
     sign_margin: float  # least -u nu3 over the turning pieces; below 0 a turn goes the wrong way
     transversality: float | None  # |nu3| at the end; None where a final heading is given
-    pmp_residual: float  # the worst of all violations, those of nu3 = 0 on straights included
+    pmp_residual: float  # worst of all violations, also those of nu3 = 0 on straights
 
     @property
     def nu(self) -> tuple[float, float]:
@@ -89,7 +89,7 @@ def measure(path: Path, radius: float, free: bool = True) -> tuple[Extremal | No
     if not rates:
         return None, math.pi if free else None
     word = _word(rates, lengths, free)
-    if word is None and free:  # of a short path a turn of next to nothing may count as straight
+    if word is None and free:  # in a short path, a tiny turn may count as straight
         word = _word(*driven, free)
     if word is None:
         return extremal(path.start.heading, rates, lengths, free), None
@@ -108,7 +108,7 @@ def _word(u: list[float], length: list[float], free: bool) -> Word | None:
     rates = [nearest_rate(k) for k in u]
     total = sum(length)
     off = [abs(k - rate) for k, rate in zip(u, rates, strict=True)]
-    # how far the end lies off what is driven at full rates
+    # distance of the end from the end of the path at full rates
     moved = sum(map(mul, off, length)) * total
     if max(off) > FULL_RATE or moved > allowed_miss(ARRIVES, 1.0, 0.0, total):
         return None
@@ -177,7 +177,7 @@ def _apart(u: list[float], length: list[float]) -> bool:
     of most paths of few pieces, which then need no further work.
     """
     least = NO_LENGTH * min(1.0, sum(length))
-    # first what a path cut into many steps fails at once
+    # first a test that a path cut into many steps fails at once
     return all(abs(a - b) > FULL_RATE for a, b in pairwise(u)) and all(
         abs(k) * s > NO_TURN if abs(k) > FULL_RATE else k == 0 and s > least
         for k, s in zip(u, length, strict=True)
@@ -212,7 +212,8 @@ def extremal(
     null_vector = np.linalg.svd(matrix, full_matrices=False)[2][-1].tolist()
     size = max(abs(null_vector[0]), math.hypot(null_vector[1], null_vector[2]))
     if not size > 0:
-        return None  # a path so long that nu3 alone violates them least: those are no costates
+        # the path is so long that nu3 alone violates the conditions least; those are no costates
+        return None
     null_vector = [c / size for c in null_vector]
     abnormal = abs(null_vector[0]) < ABNORMAL
     signs = (1.0, -1.0) if abnormal else (math.copysign(1.0, null_vector[0]),)
@@ -247,7 +248,7 @@ class Conditions(NamedTuple):
     straight: list[Row]  # nu3 at the ends of straights, divided by `stretch`
     arcs: list[tuple[float, float]]  # headings (rad) at the ends of the turns
     stretch: float  # the path's length, or 1 (radii)
-    ends: list[Row]  # nu3 at a free end, and what fixes the end of a single arc
+    ends: list[Row]  # nu3 at a free end, and the condition that fixes the end of a single arc
     start: Row  # nu3 at the start
 
 
@@ -257,7 +258,7 @@ def conditions(u: list[float], length: list[float], start: Pose) -> Conditions |
     None where they are lost in rounding or overflow.
     """
     driven = np.array(length)
-    # a straight that bends is looked at in its middle too: nu3 may vanish at both its ends alone
+    # a straight that bends has a condition in its middle too: nu3 may vanish at its two ends only
     halves = np.array([2 if k != 0 and abs(k) < 1 - FULL_RATE else 1 for k in u], np.intp)
     rates = np.repeat(u, halves)
     poses = corners(start, rates, np.repeat(driven / halves, halves)).tolist()
@@ -281,7 +282,7 @@ def conditions(u: list[float], length: list[float], start: Pose) -> Conditions |
     arcs = [(a, b) for k, (_, _, a), (_, _, b) in turns if k != 0]
     ends = [nu3[-1]]
     if len(pieces) == 1 and not straight[0]:
-        # a single arc has a family of costates; the one of a straight of no length after it
+        # a single arc has a family of costates; choose the one of a straight of no length after it
         ends.append((0.0, -math.sin(end), math.cos(end), 0.0))
     return Conditions(hamiltonian, still, arcs, stretch, ends, nu3[0])
 

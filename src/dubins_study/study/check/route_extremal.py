@@ -33,12 +33,12 @@ from dubins_study.study.check.visits import cut_out
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Pose
 
-_BESIDE = 1e-5  # radii; what is shorter between a via point and the end of a piece is nothing
+_BESIDE = 1e-5  # radii; a shorter piece between a via point and the end of a piece counts as none
 _EXACT = 1e-10  # the least tolerance that HiGHS takes
-_EXTREMAL = 1e-7  # a residual up to which nu3 is not let jump
+_EXTREMAL = 1e-7  # a residual up to which nu3 may not jump
 _TOLERANCES = ("primal_feasibility_tolerance", "dual_feasibility_tolerance")
 _STOPPED = 1  # status of `linprog` at a limit
-_CUTS = 20  # rounds of adding headings at which the sign on an arc is asked for
+_CUTS = 20  # rounds of adding headings at which an arc has a sign condition
 
 
 def route_extremal(
@@ -167,7 +167,7 @@ def _equations(
 
     A matrix times the costates, plus constants, is zero.
     """
-    # leg, constant, and factors of nu3 at the end of the leg before and of nu1, nu2, nu3 of the leg
+    # leg, constant, factors: of nu3 at the end of the leg before, and of the leg's nu1, nu2, nu3
     rows: list[tuple[int, float, tuple[float, ...]]] = []
     for i, leg in enumerate(legs):
         rows += [(i, one, (0.0, *nu)) for one, *nu in (*leg.hamiltonian, *leg.straight)]

@@ -10,18 +10,18 @@ from itertools import pairwise
 
 from dubins_study.study.angle import TWO_PI
 
-# how far from +1, -1 or 0 a rate may be and still name a letter
+# largest distance from +1, -1 or 0 of a rate that names a letter
 FULL_RATE = 1e-9
-# A certificate is read from the pieces that matter (docs/derivation.md, section 9): an arc that
-# turns by less than this (rad) is straight,
+# Pieces that matter for a certificate (docs/derivation.md, section 9).
+# rad; an arc that turns by less is straight
 NO_TURN = 1e-6
-# and a straight shorter than this (radii, or share of a path shorter than a radius) is left out.
+# radii, or share of a path shorter than a radius; a shorter straight is left out
 NO_LENGTH = 1e-6
-# a costate nu0 below this share of (nu1, nu2) is none: the extremal is abnormal
+# a costate nu0 below this share of (nu1, nu2) counts as 0: the extremal is abnormal
 ABNORMAL = 1e-9
 
 
-# rate +1, 0 or -1 and length (radii) of a piece; and the pieces of a path, (0, 0) for what it lacks
+# A piece: rate +1, 0 or -1 and length (radii). A word has three pieces; a missing one is (0, 0).
 Piece = tuple[float, float]
 Word = tuple[Piece, Piece, Piece]
 
@@ -90,7 +90,7 @@ def costates(heading: float, word: Word) -> tuple[float, float, bool, float, flo
     inflected = abs(last_nu3) / max(1.0, first + second + third)
     worst = max(max(abs(H1), abs(H2)), max(abs(H3), inflected))
     size = rho if abnormal else rho / nu0
-    # turned by the heading apart: added to a heading of many turns, phi would lose its digits
+    # turn by the heading separately: added to a heading of many turns, phi would lose its digits
     c, s = math.cos(heading), math.sin(heading)
     x, y = size * (c * along - s * across), size * (s * along + c * across)
     return x, y, abnormal, worst, margin
@@ -112,7 +112,7 @@ def sign_margin(nu: list[float], arcs: list[tuple[float, float]]) -> float:
     if not arcs:
         return 0.0
     nu0, nu1, nu2, _ = nu
-    # least at the heading opposite to (nu1, nu2) if an arc passes through it, or at an end
+    # the least is at the heading opposite to (nu1, nu2) if an arc passes through it, or at an end
     opposite = math.atan2(-nu2, -nu1)
     nearest = -1.0
     for before, after in arcs:

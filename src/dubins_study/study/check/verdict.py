@@ -20,17 +20,17 @@ from dubins_study.study.tolerances import HEADED, Tolerances, allowed_miss, arri
 from dubins_study.study.words import TURN, Claim, Order, Verdict
 
 ROUNDED = 8 * EPS  # relative error of two lengths that ought to be equal
-# A longer path of another word is coarse up to here; near a circle's rear, words turn by nearly the
-# same angle and differ by more than any discretisation of use.
+# Largest gap at which a longer path of another word counts as coarse. Near a circle's rear, words
+# turn by nearly the same angle, and their lengths differ by more than a useful discretisation does.
 COARSE = 0.05
 # A run of arcs that turns by less than this (rad) is straight; a straight shorter than this share
 # of the path is left out.
 WORD = 1e-6
-# A path cut into many steps has a step that straddles the switch and a ripple after it, which fades
-# within a few steps; runs that turn by less than this (rad) name nothing. A path of up to three
-# arcs is named as it is.
+# A path cut into many steps has a step across the switch and a ripple after it, which fades within
+# a few steps. Runs that turn by less than this (rad) have no letter. A path of up to three arcs is
+# named without this limit.
 DISCRETISED_WORD = 0.05
-# radians that a turn of another basin differs by, at least
+# rad; least difference between the net turns of two basins
 _ANOTHER_TURN = 1.0
 
 
@@ -55,7 +55,7 @@ def visited(scenario: Scenario, visits: Visits, end: Pose) -> Scenario:
     if scenario.order is Order.FREE:
         way = list({stop[:2]: stop for stop in way}.values())
     moved["via"] = tuple(way[1:-1] if "target_x" in moved else way[1:])
-    if scenario.target is None and not moved["via"]:  # all are passed where the path starts
+    if scenario.target is None and not moved["via"]:  # the path visits all points where it starts
         moved |= {"target_x": scenario.x, "target_y": scenario.y}
     there = copy(scenario)  # the end may lie beyond what a scenario may ask for
     for name, value in moved.items():
@@ -98,7 +98,7 @@ def curvature_excess(curvature: Sequence[float], branch: str) -> float:
         side = 1 if branch[0] == "L" else -1
         first = [side * u for u in curvature]
         return max(0.0, max(first) - 1.0, -min(first))
-    # the least excess of the arcs up to here, the last of which is driven by each letter
+    # for each letter: least excess of the arcs so far, if it drives the last of them
     letters = [TURN[letter] for letter in branch]
     excess = [0.0] * len(letters)
     for u in curvature:
@@ -115,7 +115,7 @@ class Seen(NamedTuple):
     visits: Visits
     end: Pose
     miss: float  # the largest distance from a point, the target among them (length unit)
-    turned: float  # the largest angle from a heading that is given at a point (rad)
+    turned: float  # the largest angle from a given heading at a point (rad)
     excess: float
     arrives: bool
 

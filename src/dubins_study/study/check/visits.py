@@ -25,10 +25,10 @@ from dubins_study.study.scenario import Pose, Stop
 from dubins_study.study.tolerances import DRIVEN, HEADED
 
 _STRAIGHT = 1e-100  # a curvature times radius that no coordinate can tell from 0
-# radii, or of a leg shorter than one its share: what is shorter at the ends of a leg is its
-# neighbour's, cut off beside the point
+# radii, or share of a leg shorter than a radius. A shorter piece at the end of a leg belongs to its
+# neighbour and was cut off beside the point.
 CUT = 1e-5
-_PIECES_AT_ONCE = 32  # a visit is nearly always among the next few; where not, all are looked at
+_PIECES_AT_ONCE = 32  # a visit is nearly always in the next few pieces; otherwise all are searched
 
 
 class Visits(NamedTuple):
@@ -132,7 +132,7 @@ class _Pieces:
             passings = []
             for first in np.flatnonzero(~np.isnan(within)).tolist():
                 last = first
-                # still coming nearer at the end of a piece
+                # the path still comes nearer at the end of a piece
                 while begin + last + 1 < end and nearest[last] >= self.length[begin + last]:
                     if distance[last + 1] > distance[last]:
                         break
@@ -160,7 +160,7 @@ class _Pieces:
         heading = self.heading[piece] + self.side[piece] * self.k[piece] * along
         return off_heading(given, float(heading), float(self.ends[-1])) <= HEADED
 
-    @np.errstate(all="ignore")  # what overflows is no visit
+    @np.errstate(all="ignore")  # an overflow is no visit
     def _passing(
         self, those: slice, x: float, y: float, at: float, allowed: float
     ) -> tuple[FloatArray, FloatArray, FloatArray]:

@@ -69,11 +69,11 @@ class Rows(NamedTuple):
         return cls(np.empty(n), np.empty((segments, n)), np.empty(n, np.uint8))
 
 
-Index = int | np.uint64  # unsigned, where the compiler should know that none counts from the end
+Index = int | np.uint64  # unsigned where the compiler should know that no index counts from the end
 CHUNK = 512  # rows; what a chunk reads and writes stays in the first-level cache
 LARGEST = np.finfo(np.float64).max
-# Below this w, and inside the disc below this q, a row is delicate. At that q the length
-# changes by 3.4 per shift of the target; of 4e7 rows beyond it none was off by 3.6 EPS or more.
+# A row is delicate below this w, and inside the disc below this q. At that q the length changes by
+# 3.4 per shift of the target. Of 4e7 rows beyond it none was off by 3.6 EPS or more.
 _NEAR = 1e-5
 _STEEP = 0.7
 # delta is at most 2 + 12 sqrt(2) EPS times the coordinates' size in radii
@@ -306,7 +306,7 @@ def _best_rows(begin: int, end: int, scenarios: ScenarioArrays, rows: Rows) -> N
                     _exactly(i, True, False, False, scenarios, rows)
 
 
-# the rates of each word's first and last letter, and that there is no third, nor any of no word
+# Rates of each word's first and last letter. NaN for the third letter, and for the empty word.
 RATES = np.full((len(WORDS), 3), math.nan)
 RATES[1:, :2] = [(TURN[word[0]], TURN[word[-1]]) for word in WORDS[1:]]
 
@@ -330,7 +330,7 @@ def flatten(
     offsets[0] = 0
     for i in range(curvature.shape[1]):
         for arc in range(curvature.shape[0]):
-            # written in any case and overwritten if it does not count: quicker than a branch
+            # always written, and overwritten if it does not count: quicker than a branch
             flat_curvature[place] = curvature[arc, i]
             flat_length[place] = length[arc, i]
             place += length[arc, i] != 0.0

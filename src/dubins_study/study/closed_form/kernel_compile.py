@@ -26,14 +26,14 @@ from dubins_study.study.arrays import FloatArray
 _PACKAGE = __package__.split(".")[0]
 SMALL = 32768  # rows; below, starting a thread costs more than it saves
 PIECE = 4096  # rows: a thread gets a multiple of this
-PIECES = 4  # a thread, so that all end at nearly the same time
+PIECES = 4  # pieces a thread, so that all threads end at nearly the same time
 
 Function = TypeVar("Function", bound=Callable[..., Any])
-Loop = Callable[..., Any]  # over arrays that callers unpack: no checker could count them
+Loop = Callable[..., Any]  # takes arrays that callers unpack, which no type checker can count
 
 
-# What is compiled, by the package or module that it is in, and about how many seconds that takes.
-# It is said on stderr before the first loop that no cache holds: silence looks like a fault.
+# Compiled parts by package or module, and about how many seconds each takes to compile. A warning
+# on stderr says so before the first loop that no cache holds: silence looks like a fault.
 _PARTS = {
     "study.route": ("the search for routes", 15),
     "study.closed_form.pose_kernel": ("the loops over legs with a final heading", 15),
@@ -46,7 +46,7 @@ class _Announcement(event.Listener):
 
     def __init__(self) -> None:
         self.announced: set[str] = set()
-        self.depth = 0  # a loop's callees are compiled while it is
+        self.depth = 0  # a loop's callees are compiled during its own compilation
 
     def on_start(self, compiling: event.Event) -> None:
         self.depth += 1
@@ -125,8 +125,8 @@ def separate(function: Function) -> Function:
 
 def compiled(function: Loop) -> Loop:
     """Compile a loop by Numba, for one thread."""
-    # Numba's cache is keyed by this name and by the function's own file. What is inlined,
-    # and every constant, may come from another: without a digest of them a change would go unseen.
+    # Numba's cache is keyed by this name and by the function's own file. Inlined functions and
+    # constants may come from other files: without a digest of them a change would go unseen.
     function.__qualname__ += f"_{_SOURCES}"
     options: dict[str, Any] = {"error_model": "numpy", "nogil": True}
     function = _with_callees(function)

@@ -57,8 +57,8 @@ _ARCTANGENT = (
     -0.3333333333333333,
 )
 
-# pi/2 and what its rounding left out: to 106 bits. One rounding in each fused step keeps the
-# reduced angle correct to an ulp of itself, and to 1e-22 where it is next to zero.
+# pi/2 to 106 bits, as a double and the rest. One rounding in each fused step keeps the reduced
+# angle correct to an ulp of itself, and to 1e-22 where it is next to zero.
 _HALF_PI = (math.pi / 2, 6.123233995736766e-17)
 LARGEST_ANGLE = 1.0e9  # rad
 _ROUNDER = 1.5 * 2.0**52  # adding it rounds to an integer
@@ -77,7 +77,7 @@ def _fma(typing_context: Any, a: Any, b: Any, c: Any) -> Any:
     return types.float64(types.float64, types.float64, types.float64), generate
 
 
-# Any, since what compiled code calls has not the arguments of the function that generates it
+# Any: the intrinsic has other arguments than the function that generates it
 _intrinsic: Any = intrinsic
 fma: Callable[[float, float, float], float] = _intrinsic(_fma)
 
@@ -133,7 +133,7 @@ def sine_cosine(angle: float) -> tuple[float, float]:
     sine = fma(r * z, _polynomial(_SINE, z), r)
     half = 0.5 * z
     top = 1.0 - half
-    lost = (1.0 - top) - half  # by the rounding of 1 - z/2
+    lost = (1.0 - top) - half  # in the rounding of 1 - z/2
     cosine = top + fma(z * z, _polynomial(_COSINE, z), lost)
     quadrant = quarters_of_turn(quarters)
     odd = (quadrant == 1.0) | (quadrant == 3.0)
@@ -161,7 +161,7 @@ def upper_arctangent(y: float, x: float) -> float:
     top = y if flat else top
     bottom = a if flat else bottom
     turned = 0.0 if flat else turned
-    t = top / max(bottom, 1e-300)  # 0 / 0 is wanted to be 0
+    t = top / max(bottom, 1e-300)  # 0 / 0 has to be 0
     z = t * t
     angle = turned + fma(t * z, _polynomial(_ARCTANGENT, z), t)
     other = _PI - angle

@@ -18,12 +18,12 @@ from dubins_study.study.scenario import Pose
 from dubins_study.study.words import POSE_BRANCHES
 
 WORDS6 = POSE_BRANCHES[1:]
-# What the rounding of both headings, of their sines and cosines and of the circles' centres does
-# to a pose beside what `body_coordinates` counts (docs/derivation.md, section 14).
+# Error of a pose beside that of `body_coordinates`: by the rounding of both headings, of their
+# sines and cosines, and of the circles' centres (docs/derivation.md, section 14).
 PER_HEADINGS = 16.0 * EPS
 
 _PI = math.pi
-_NEAR_ZERO = 1e-3  # rad; the sign of an angle below this is taken from coordinates, not from it
+_NEAR_ZERO = 1e-3  # rad; the sign of a smaller angle is taken from coordinates, not from the angle
 
 
 class Leg(NamedTuple):
@@ -124,10 +124,9 @@ def word_in_body(
     return _left_right_left(X, Y, sine, cosine, delta)
 
 
-# In these three (x1, y1) is the last arc's centre seen from the first one's, in the start's frame,
-# and (x2, y2) the same in the frame in which the path driven backwards is a path of such a word. It
-# is the same vector, turned: where the centres are close and both arcs are little known, their sum
-# still is.
+# In these three (x1, y1) is the last arc's centre seen from the first one's, in the start's frame.
+# (x2, y2) is the same vector in the frame in which the path driven backwards is a path of such a
+# word. So where the centres are close and neither arc is known well, the sum of both arcs still is.
 
 
 def _left_straight_left(

@@ -54,9 +54,10 @@ SIDES = np.array([[TURN[letter] for letter in word] for word in WORDS6])
 
 
 _PI = math.pi
-# at least 4 delta: four times what `pose.pose_delta` adds up, with |x| + |y| at most the extent
+# at least 4 delta: four times the sum in `pose.pose_delta`, with |x| + |y| at most the extent
 _FOUR_EXTENT, _FOUR_HEADINGS = 60.0 * EPS, 4.0 * pose.PER_HEADINGS
-# A row is delicate where an arc's edge, in radii or rad, or |V|^2 - 4 of a straight is below this.
+# A row is delicate where its distance from an arc's edge (radii or rad), or |V|^2 - 4 of a
+# straight, is below this.
 _NEAR = 1e-6
 # Below this 16 - d^2 the length of RLR or LRL changes by more than 12 per shift of the end.
 _STEEP = 0.1
@@ -192,7 +193,7 @@ def _with_straight(
     """
     back = TWO_PI - turn
     across = fma(X, s, -Y * c)
-    # how far the last centre is to the side of the first: LSL, RSR, and seen from the end
+    # side distance of the last centre from the first: for LSL and RSR, then seen from the end
     left1, right1 = Y + (c - 1.0), -Y + (c - 1.0)
     left2, right2 = across + (c - 1.0), -across + (c - 1.0)
     x_left, x_right = X - s, X + s
@@ -326,7 +327,7 @@ def _best_block(
         j = waiting[k]
         X[k], Y[k], sine[k], cosine[k] = X[j], Y[j], sine[j], cosine[j]
         turn[k], best[k] = turn[j], best[j]
-    # to a whole number of vectors: what is left over would be done one by one
+    # up to a whole number of vectors: a remainder would be computed one by one
     for k in range(min((count + 15) // 16 * 16, CHUNK)):
         t, p, q, code, clear = _curves_only(X[k], Y[k], sine[k], cosine[k], turn[k], best[k])
         X[k], Y[k], sine[k], cosine[k], turn[k] = t, p, q, code, clear

@@ -90,7 +90,8 @@ def right_left_pair(X: float, Y: float, delta: float) -> tuple[float, float, flo
     p = X * X + Y * (Y + 2.0)  # |T - C_R|^2 - 1
     q = 4.0 * (2.0 - Y) + w  # 9 - |T - C_R|^2
     bearing = math.atan2(X, 1.0 + Y)  # of T from C_R, from straight up, clockwise as R turns
-    if w == 0.0:  # on the left circle: the arc to T, and the path whose second arc is the rest
+    # on the left circle: one path is the arc to T, the other's second arc is the rest of the turn
+    if w == 0.0:
         arc = math.atan2(X, 1.0 - Y)
         arc = arc if arc >= 0.0 else arc + TWO_PI
         turn = wrapped(2.0 * bearing)

@@ -22,7 +22,7 @@ from dubins_study.study.rows.schema import Certificate, Judgement
 from dubins_study.study.words import Claim, Proof, Verdict
 
 _BITS = 106
-_LEAST_STEP = 1e-14  # towards the interior; pays for the rounding of the step itself
+_LEAST_STEP = 1e-14  # towards the interior; covers the rounding of the step itself
 _STEPS = 12  # tries, each with a step ten times as large
 
 

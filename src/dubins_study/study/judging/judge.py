@@ -38,7 +38,8 @@ def judge(
         return Judgement(verdict=verdict, false_claim=is_false(claim, verdict), **known)
     seen = seen_of(scenario, path, branch, tolerances)
     length = path.length
-    ends = seen.visits.at[: scenario.legs - 1]  # of legs; that of the last is the path's
+    # the ends of all legs but the last, which ends with the path
+    ends = seen.visits.at[: scenario.legs - 1]
     word = kind.words_of(path, ends, scenario.radius)
     verdict = Verdict.MISSES
     if seen.arrives and seen.excess <= tolerances.curvature and scenario.starts(path.start):

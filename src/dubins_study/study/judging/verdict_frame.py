@@ -121,8 +121,8 @@ class _Limits(NamedTuple):
     miss: float
     curvature: float
     gap: float
-    rounded: float  # a path whose length is the reference up to this share is its own reference
-    cut: float  # radii, or share of a shorter path: what is shorter is not named
+    rounded: float  # relative gap up to which a path is its own reference
+    cut: float  # radii, or share of a shorter path; shorter segments have no letter
 
 
 # the rates of three segments of all words: to any heading, then to a given one

@@ -71,11 +71,11 @@ class Asked:
     """How a question of a kind is recognised."""
 
     name: str
-    title: str  # what a scenario of the kind is, in messages
-    task: str = ""  # what the kit's check of the kind looks at; empty: it has none of its own
-    fields: Mapping[str, bool]  # fields of a scenario that may be left out: whether they are given
+    title: str  # name of a scenario of the kind in messages
+    task: str = ""  # subject of the kit's check of the kind; empty: it has no such check
+    fields: Mapping[str, bool]  # optional fields of a scenario: whether they are given
     branches: tuple[str, ...]
-    examples: Mapping[str, Scenario] = field(default_factory=dict)  # that the kit asks, by name
+    examples: Mapping[str, Scenario] = field(default_factory=dict)  # the kit's questions, by name
 
     def matches(self, scenario: Scenario) -> bool:
         """Whether a scenario is of this kind.

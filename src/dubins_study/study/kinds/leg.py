@@ -128,7 +128,7 @@ def _known_to_delta(
     nearest = enclose(scenario, branch).nearest(length, allowed)
     if nearest is None:
         return reference
-    # what delta alone moves a length by is no reason for another reference
+    # a change of length by delta alone is no reason for another reference
     matters = length - nearest <= allowed or nearest - reference > allowed
     return nearest if matters else reference
 

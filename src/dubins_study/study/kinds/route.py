@@ -20,7 +20,7 @@ from dubins_study.study.rows.schema import Judgement
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.tolerances import Tolerances
 
-_SEARCH_SHARE = 0.8  # of the time that a check has left: what follows a search needs some too
+_SEARCH_SHARE = 0.8  # of the time that a check has left: the steps after a search need some too
 
 
 def _prepare() -> None:

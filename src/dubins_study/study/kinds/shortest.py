@@ -17,9 +17,9 @@ from dubins_study.study.tour.search import Tour, search_tour
 from dubins_study.study.tour.stops import Stops
 from dubins_study.study.words import TURN, Order
 
-# A search is done when its interval is this narrow, of the route's length: a thousandth of what the
-# strictest profile asks for. Points in line, where lengths have cubic minima, take long to get to
-# less.
+# A search is done when its interval is this share of the route's length: a thousandth of the gap
+# that the strictest profile allows. Less would take long for points in line, where lengths have
+# cubic minima.
 _NARROW = 1e-9
 BOXES_A_SECOND = 100_000  # of one core of a server of 2026, which does 120 000 to 190 000
 _AS_LONG = 0.95  # of the seconds that are wanted

@@ -14,8 +14,8 @@ from dubins_study.study.scenario import Scenario
 from dubins_study.study.tolerances import Tolerances
 from dubins_study.study.words import Verdict
 
-# By how much the optimal length may change per shift of the target, at least: it does by 1 where
-# the path ends straight, and more near a turning circle, where that changes within the shift.
+# Change of the optimal length that is allowed for, per shift of the target. It is 1 where the path
+# ends straight, and more near a turning circle, where the change itself varies within the shift.
 _STEEP = 10.0
 
 

@@ -26,7 +26,8 @@ from dubins_study.study.route.leg_words import between
 
 _PI = math.pi
 SLACK = 1e-13
-LONGEST_COSTATE = 20.0  # that of LRL is 1 / |cos psi| long; longer ones than this are not needed
+# a costate of LRL has the length 1 / |cos psi|; longer ones than this are not needed
+LONGEST_COSTATE = 20.0
 START_LEFT, START_RIGHT, END_LEFT, END_RIGHT, START_HALF, END_HALF = 1, 2, 4, 8, 16, 32
 
 
@@ -75,7 +76,7 @@ class Circles(NamedTuple):
     dy: float
     nearest: float
     farthest: float
-    along: float  # how far it may change along itself, and across
+    along: float  # largest change of the way along itself, and across
     across: float
     turned: float  # rad to either side
 

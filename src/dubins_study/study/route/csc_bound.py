@@ -29,7 +29,7 @@ from dubins_study.study.route.box import (
 from dubins_study.study.route.leg_words import between, principal, straight_direction
 
 _PI = math.pi
-_SHORTEST_STRAIGHT = 0.05  # below it the direction of S is not bounded by its derivative
+_SHORTEST_STRAIGHT = 0.05  # radii; for a shorter S the derivative does not bound its direction
 
 
 @separate
@@ -65,7 +65,7 @@ def _apex_bound(box: Box, circles: Circles) -> float:
     total = box.c2 + box.h2 + SLACK - first
     whole = -math.floor(total / TWO_PI)
     total += TWO_PI * whole
-    # S sin a and S sin c: what is left of S's direction of each heading
+    # S sin a and S sin c: the part of S to the left of each heading's direction
     farthest = circles.farthest
     sine = abs(math.sin(box.c2 - box.c1))
     bent = 0.5 * (1.0 + farthest) * (box.h1 + box.h2) ** 2 + SLACK
@@ -78,10 +78,10 @@ def _apex_bound(box: Box, circles: Circles) -> float:
         total -= _PI
     if long2 or -left2 + abs(along2) * box.h2 + sine * box.h1 + bent < 0.0:
         total -= _PI
-    # the angle from the first such direction to nu, and the nearest that S comes to nu
+    # angle from the first such direction to nu, and least angle between S and nu
     after = nu - first - TWO_PI * math.floor((nu - first) / TWO_PI)
     away = 0.0 if after <= total else min(after - total, TWO_PI - after)
-    # of both arcs any angle in the box
+    # both arcs may have any angle in the box
     m1, m2 = nu - _PI - box.c1, box.c2 - nu - _PI
     within1, within2 = (m1 - box.h1, m1 + box.h1), (m2 - box.h2, m2 + box.h2)
     best = -math.inf
@@ -128,7 +128,7 @@ def _straight_bound(
     else:
         w = max(0.0, -least)
         error = max(0.0, 2.0 * (w - math.sin(w)) - straight * (1.0 - math.cos(w)))
-    # an arc that would be driven backwards for a bit makes up for it in the straight
+    # the straight makes up for an arc that would be driven backwards for a bit
     turned = max(most, -least)
     floor = -_PI if last < 0.0 or (straight >= 0.4 * turned and turned <= 1.0) else -math.inf
     nu = Costate(1.0, direction, 0.0, 0.0)
@@ -249,7 +249,7 @@ def csc_bound(box: Box, last: float, enough: float) -> float:
             return math.inf
         straight = math.sqrt(max(straight * straight - 4.0, 0.0))
         farthest = math.sqrt(circles.farthest * circles.farthest - 4.0)
-        # rounding moves both by 1e-8 where the circles touch: they have to be of one computation
+        # rounding moves both by 1e-8 where the circles touch: one computation has to give both
         middle = direction - math.atan2(circles.dy, circles.dx)
         below += middle - math.atan2(2.0, farthest) + SLACK
         above += math.atan2(2.0, straight) - middle + SLACK

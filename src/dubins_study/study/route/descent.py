@@ -22,7 +22,7 @@ from dubins_study.study.route.leg_bound import WordArray
 
 _FINE, _FINEST = 1e-6, 1e-13  # rad, of grids
 _LARGEST_STEP = 0.3  # rad, of Newton's method
-_BESIDE_ARC = 1e-6  # rad; more than the root of what a leg's data are rounded by
+_BESIDE_ARC = 1e-6  # rad; more than the square root of the rounding of a leg's data
 
 
 @compiled
@@ -76,10 +76,10 @@ def newton(legs: FloatArray, headings: FloatArray, free: BoolArray) -> bool:
                 slope[i], diagonal[i], beside[i] = 0.0, 1.0, 0.0
                 if i > 0:
                     beside[i - 1] = 0.0
-        # a straight's free end is reached like a cubic's minimum: by halves
+        # at a straight's free end the length is like a cubic at its minimum: a step goes halfway
         if np.abs(slope).max() < 1e-13:
             return True
-        # elimination without pivots: the matrix is positive definite where all of them are
+        # elimination without pivoting: the matrix is positive definite if all pivots are positive
         for i in range(n + 1):
             if i > 0:
                 factor = beside[i - 1] / diagonal[i - 1]
@@ -142,14 +142,14 @@ def downhill(
     if rests and (np.hypot(*legs.T) >= 4.0).all():  # nothing jumps: a grid finds nothing better
         return smooth
     others, before = free, np.zeros(0, np.bool_)
-    while not np.array_equal(others, before):  # what is on an arc stays there
+    while not np.array_equal(others, before):  # a heading on an arc stays there
         before = others
         shorten(legs, gridded, before, (width, _FINE), effort)
         gridded, off_arcs = _on_arcs(gridded, arc_ends)
         others = free & off_arcs
     if route_length(legs, gridded) < best + 2.0 * _FINE * len(legs):
         shorten(legs, gridded, others, (_FINE, _FINEST), effort)
-        # lengths tell headings to the root of their rounding only
+        # lengths determine headings only to the square root of their rounding
         words, segments = route_words(legs, gridded)
         inner = np.where(words[:, None] < 4, segments[:, 1:2], segments).min(axis=1) > _FINE
         others[:-1] &= inner

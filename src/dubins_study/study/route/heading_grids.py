@@ -24,10 +24,10 @@ from dubins_study.study.route.leg_words import principal
 _PI = math.pi
 _ALL = 48  # headings of the whole circle
 _FINER = 0.5  # of one grid's width to the next
-_STEP_BOXES, _SURVEY_BOXES = 3, 400  # a leg: how many bounds take as long as a step of the search
-_UNEQUAL = 0.1  # radii; costs of one point's headings that differ by less exclude none
+_STEP_BOXES, _SURVEY_BOXES = 3, 400  # boxes a leg that take as long as a step, or as a survey
+_UNEQUAL = 0.1  # radii; if the costs of a point's headings differ by less, none is skipped
 _PAIRS_AT_ONCE = 100_000  # a few hundredths of a second between looks at the clock
-_CHAIN_NONE, _CHAIN_ARCS, _CHAIN_ALL = range(3)  # from which headings pairs of arcs are followed
+_CHAIN_NONE, _CHAIN_ARCS, _CHAIN_ALL = range(3)  # headings from which pairs of arcs are followed
 
 
 class Grid(NamedTuple):
@@ -91,7 +91,7 @@ def _touching_headings(x: float, y: float, heading: float, back: bool, found: Fl
         heading: at its start, or at its end if `back`.
         found: written, shape (4,).
     """
-    if back:  # driven backwards the leg is one too
+    if back:  # a leg driven backwards is a leg too
         x, y, heading = -x, -y, heading + _PI
     n = 0
     for turn in (1.0, -1.0):

@@ -30,7 +30,8 @@ from dubins_study.study.route.leg_bound import WordArray
 
 COARSE = 16  # intervals at each point to begin with
 OVERLAP = 1e-14  # rad; more than the rounding of an interval's ends
-_ON_CIRCLE = 16.0 * EPS  # square radii; what rounding may move a point off a turning circle
+# square radii; more than rounding changes the power of a point to a turning circle
+_ON_CIRCLE = 16.0 * EPS
 _ONE_HEADING = 2e-15  # rad; more than the rounding of a heading to which an arc leads
 
 

@@ -25,7 +25,7 @@ from dubins_study.study.route.box import (
 from dubins_study.study.route.leg_words import principal
 
 _PI = math.pi
-_ALONG = 1.0  # of a costate along the axis of LRL, where a flat one would be long
+_ALONG = 1.0  # length of a costate along the axis of LRL, where a flat one would be too long
 
 
 @separate

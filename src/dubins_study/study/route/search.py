@@ -42,18 +42,19 @@ from dubins_study.study.route.leg_bound import (
 
 _LOG = logging.getLogger(__name__)
 
-_NARROWEST = 1e-13  # rad; half the width of an interval that is not split any more
-_AT_REST = 1e-6  # rad; what the headings of a route that came to rest are known to, and more
-_EAGER = 6  # rounds
-_MOST_ROUNDS = 15  # of descents from a loop
+_NARROWEST = 1e-13  # rad; an interval with this half width is not split any more
+_AT_REST = 1e-6  # rad; more than the error of the headings of a route that came to rest
+_EAGER = 6  # rounds; up to this one every round has descents
+_MOST_ROUNDS = 15  # rounds of descents from a loop
 _AT_LEAST = 4  # descents a round, each from another point
 _HOPELESS = 1.5  # times the best route's length: chains this long are not worth a descent
-_PROMISING, _SELDOM = 1.02, 3  # the same where there is a cutoff, and rounds from one to the next
+# times the cutoff, where there is one, and rounds from one descent to the next
+_PROMISING, _SELDOM = 1.02, 3
 _SOON = 0.5  # of the gap: intervals whose bounds are nearer to the best route's length wait
-_BOTH = 0.5  # weight of what both ends of a leg gain by halves together, beside one alone
+_BOTH = 0.5  # weight of the gain by halving both ends of a leg, against that by halving one
 _PAIRS_AT_ONCE = 50_000  # about a tenth of a second between looks at the clock
 _MOST_PAIRS = 40_000_000
-_MOST_SUMS = 400_000_000  # in a round of the programs of a loop
+_MOST_SUMS = 400_000_000  # of a round, over all programs of a loop
 
 
 class Route(NamedTuple):
@@ -196,7 +197,7 @@ class _Chains:
         both = [a + b for a, b in zip(self.ahead, self.behind, strict=True)]
         self.through: list[FloatArray] = [each.min(axis=0) for each in both]
         row = [each.argmin(axis=0) for each in both]
-        # of each leg: for an interval at its end the best one at its start, and the other way round
+        # for each leg: the best interval at its start for each one at its end, and the reverse
         self.before = [self._before[i][row[i + 1], np.arange(row[i + 1].size)] for i in range(legs)]
         self.after = [after[i][row[i], np.arange(row[i].size)] for i in range(legs)]
         self._row = row[-1]
@@ -261,7 +262,8 @@ class _Search:
             self.headings[-1] = self.headings[0]
         self.length: float = route_length(self.legs, self.headings)
         self.free = np.array([heading is None for heading in given])
-        self.varied = self.free.copy()  # by a descent: the heading that a loop begins with is not
+        # a descent varies these headings, but not the one that a loop begins with
+        self.varied = self.free.copy()
         self.varied[[0, -1]] &= not cyclic
         self.intervals, self.live = first_intervals(self.legs, given)
         self.arc_ends = [interval.middle[COARSE:] for interval in self.intervals]
@@ -493,7 +495,8 @@ class _Search:
             before[0], after[-1] = before[-1], after[0]
         aimed = []
         for i, interval in enumerate(self.intervals):
-            if i in (0, self.n) and not self.cyclic:  # no other leg takes back what one is given
+            # at the ends no other leg cancels the slope of the potential
+            if i in (0, self.n) and not self.cyclic:
                 slope = np.zeros(interval.slope.size)
             else:
                 best = self.headings[i], self.slopes[i], self.rounds == 0
@@ -539,7 +542,7 @@ class _Search:
                     ends = self.intervals[leg], self.intervals[leg + 1]
                     pairs = self.live[leg], chains.costs[leg], mates[leg]
                     add_gains(self.legs[leg], *ends, *pairs, wanted[i], leg < i, halves, both)
-            # where nothing is gained by halves of this one alone, by those of all
+            # halves of this interval alone may gain nothing where halves of both ends do
             gain = np.clip(halves.min(0), 0.0, 1.0) + _BOTH * both
             gains.append((gain + 1e-3 * interval.half**2) * self.free[i])
         if self.cyclic:

@@ -198,7 +198,7 @@ def read_manifest(folder: FilePath, *, printable: bool = False) -> Manifest:
     with os_errors_as(f"{file} cannot be read"):
         text = file.read_bytes()
     try:
-        content = json.loads(text)  # takes texts that are no Unicode, as of file names
+        content = json.loads(text)  # accepts texts that are not Unicode, such as file names
         return Manifest.model_validate(printable_values(content) if printable else content)
     except (ValueError, RecursionError) as error:
         raise ResultsError(

@@ -55,7 +55,7 @@ def orders_within(
     found: dict[tuple[int, ...], float] = {}
     begin = legs.begin
     n = begin.size - 1
-    # from the end: a set of points that are left, the last of them, costs from its intervals on
+    # from the end: a set of points, the last of them, the points after it, costs from it on
     every = (1 << n) - 1
     open_ends: list[_OpenEnd] = [
         (every, i, (), legs.ends[begin[i] : begin[i + 1]]) for i in range(n)

@@ -45,12 +45,12 @@ from dubins_study.study.tour.stops import Stops
 
 _LOG = logging.getLogger(__name__)
 
-# By the number of points: intervals at each to begin with, and how many near points, itself among
-# them, a chain remembers. Of more points there is a good tour, and the least tree as a bound.
+# Most points, first intervals at each, and number of near points, itself included, that a chain
+# remembers. With more points the result is a good tour, and the least tree as a bound.
 _SIZES = ((12, 16, 5), (40, 16, 7), (62, 8, 6), (100, 8, 4))
 _ROUNDS, _LATER_ROUNDS = 40, 16  # of prices: at first, and where they are good
 _STEP, _LATER_STEP = 1.0, 0.5  # of prices: a share of Polyak's
-_SHRINK, _PATIENCE = 0.6, 3  # of the step, after so many rounds without a better bound
+_SHRINK, _PATIENCE = 0.6, 3  # factor of the step, after this many rounds without a better bound
 _LEAST_STEP = 0.02
 _SOON = 1.0  # of the gap: intervals whose chains are nearer to the best tour's length wait
 _ALL_ORDERS = 4  # points up to which every order is searched
@@ -103,7 +103,7 @@ def search_tour(
         return _backwards(found) if stops.closed and found.order[0] > found.order[-1] else found
     place = known[0]
     found = _TourSearch(stops.begun_at(place), Effort(boxes, limit), tolerance, seed).run()
-    # the points of that search: the old start, then the old points without the one that it began at
+    # points of that search: the old start, then the old points except the one that it began at
     points = [i for i in range(len(stops.points)) if i != place]
     began = found.order.index(0)
     order = [points[i - 1] for i in found.order[began + 1 :]] + [place]
@@ -192,7 +192,7 @@ class _TourSearch:
                 self._prove(*size[1:])
         except SpentError:
             _LOG.info("the search has spent its effort")
-        if self.best is None:  # something to show, whatever the limit
+        if self.best is None:  # an answer in any case, whatever the limit
             self._search_order(self.order, quick=True)
         assert self.best is not None
         return Tour(
@@ -329,7 +329,7 @@ class _TourSearch:
         assert self.best is not None
         points, given = self.stops.route(self.order)
         slopes = potential_at(points, self.best.headings, given, self.stops.closed)
-        if self.around is not None:  # what the first leg is given, the last one takes back
+        if self.around is not None:  # the last leg cancels the slope that the first one is given
             self.around = self.around._replace(slope=np.nan_to_num(slopes[:1]))
         of_points = np.zeros(self.n)
         of_points[list(self.order)] = np.nan_to_num(slopes)[1 : self.n + 1]
@@ -355,7 +355,7 @@ class _TourSearch:
             some = slice(begin[i], begin[i + 1])
             here = Intervals(*(column[some] for column in self.intervals))
             self.starts[some] = _pair_bounds(point, first, here).min(axis=0)
-            if self.stops.target is None:  # no leg takes back what the last one is given
+            if self.stops.target is None:  # no leg cancels the slope that the last one is given
                 self.ends[some] = -np.abs(here.slope) * here.half
             else:
                 way = np.array(self.stops.target) - point

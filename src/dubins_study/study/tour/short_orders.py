@@ -21,13 +21,13 @@ from dubins_study.study.tour.stops import Stops
 
 _FEW = 12  # points up to which an order of straight lines is not tried
 _ON_GRID = 100  # points up to which an order is improved with headings, not with straight lines
-_IMPROVED = 200  # points up to which it is improved at all
+_IMPROVED = 200  # points up to which an order is improved at all
 _SOME = 40  # points up to which there are more headings
 _HEADINGS, _FEWER = 24, 16  # at each point
 _MOST_ARCS = 24  # further ones of single arcs to near points, where there are more
 _KICKED = 62  # points up to which an order is changed and shortened anew
 _KICKS = 16  # how often
-_NEARLY = 1.02  # times the best length on the grid: other orders are not tried
+_NEARLY = 1.02  # times the best length on the grid; longer orders are not searched
 CHAIN_BOXES = 2e-5  # boxes that take as long as one sum of two costs
 
 
@@ -237,7 +237,7 @@ def _costs_along(
 
 
 _MOST_MOVED = 3  # points that change their place together
-_SHORTER = 1e-9  # radii; less is no reason for another order
+_SHORTER = 1e-9  # radii; a smaller gain is no reason for another order
 
 
 @compiled
