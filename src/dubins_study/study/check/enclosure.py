@@ -50,7 +50,7 @@ class Enclosure(NamedTuple):
         """Largest of the lengths not above `length`.
 
         It is the least of them if all are above. A part that begins within the tolerance above
-        `length` counts as not above it. None without any.
+        `length` counts as not above it. None if there are no parts.
         """
         if not self.parts:
             return None

@@ -37,8 +37,8 @@ _ANOTHER_TURN = 1.0
 def visited(scenario: Scenario, visits: Visits, end: Pose) -> Scenario:
     """Scenario of the points that a path visits.
 
-    Its end is the path's end. Points that the path visits at one place are one point of that
-    scenario. A closed scenario still ends as it starts.
+    If it has a target, that is the path's end. Points that the path visits at one place are one
+    point of that scenario. A closed scenario still ends as it starts.
     """
     stops = []
     for i, pose in zip(visits.order, visits.poses, strict=True):

@@ -215,11 +215,11 @@ def to_local(
 def _best(X: float, y: float, right: int) -> tuple[float, float, int, float]:
     """`best_segments` with the word and the edge distance.
 
-    The word is given by its code, the last number is the target's distance from an edge. Where that
+    The word is given by its code; the last number is the target's distance from an edge. Where that
     is not above 4 delta the row is delicate: two evaluations of X, Y and w differ by less than
-    delta, and may take different sides of the edge. It is below zero so near (0, 2) that the last
-    ulp counts too much: inside the disc the length changes by 1 / sqrt(q / 8) per shift of the
-    target (docs/derivation.md, section 9).
+    delta, and may take different sides of the edge. The distance is below zero so near (0, 2) that
+    the last ulp counts too much: inside the disc the length changes by 1 / sqrt(q / 8) per shift of
+    the target (docs/derivation.md, section 9).
 
     Outside the disc LS needs one arctangent, inside it RL needs two; the arguments of the first are
     selected before it is taken. sqrt(p q) is the D of `shortest.right_left_pair`, and the second

@@ -113,7 +113,7 @@ class Kind(Asked):
     Args:
         exact: the shortest path of a branch, searched for during about a limit (s).
         prepare: makes `exact` ready, which may take seconds once.
-        exists: whether a branch has a path; most kinds have only the branch `best`.
+        exists: whether a branch has a path; by default every branch has one.
         reference: the reference that an answer of a branch is compared with.
         known: columns of a judgement that only scenario and branch decide, if there are any.
         words_of: the word of a path, of its legs where it has several; from the path, the arc

@@ -153,7 +153,7 @@ def potential_at(
 ) -> FloatArray:
     """Slopes of the potential at a route's points.
 
-    NaN where its legs do not tell.
+    NaN where its legs leave the slope open.
     """
     return _Search(points, given, Effort(), 1.0, cyclic=closed)._slopes_at(headings)
 
@@ -426,7 +426,7 @@ class _Search:
     def _slopes_at(self, headings: FloatArray) -> FloatArray:
         """Slopes of the potential at a route's points.
 
-        NaN where its legs do not tell.
+        NaN where its legs leave the slope open.
         """
         points = [
             Intervals(np.array([heading]), np.array([_AT_REST]), np.array([math.nan]))
