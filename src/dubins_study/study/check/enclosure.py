@@ -333,9 +333,11 @@ class _Ends(NamedTuple):
 class _Signs(NamedTuple):
     """Sides of the edges on which an end lies.
 
-    A flag says whether the edge's function is not negative. The functions are the sides of the
-    end's circles from the start's line, those of the start's circles from the end's line, |E - C|^2
-    - 4 for the circles of LSR and RSL, 16 - |E - C|^2 for those of LRL, RLR.
+    A flag says whether the edge's function is not negative. The functions are:
+
+    * the sides of the end's circles from the start's line, and of the start's from the end's line;
+    * |E - C|^2 - 4 for the circles of LSR and RSL;
+    * 16 - |E - C|^2 for the circles of LRL and RLR.
     """
 
     start_left: bool

@@ -116,7 +116,7 @@ def inlined(function: Function) -> Function:
 
 
 def separate(function: Function) -> Function:
-    """Compile a function of its own, by Numba.
+    """Compile a function separately, by Numba.
 
     It is for rows that a vector loop leaves.
     """
