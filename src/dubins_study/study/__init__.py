@@ -1,1 +1,4 @@
-"""The problem: scenarios, paths, the exact answer, the check and the rows. Knows no solver."""
+"""Define the problem, its exact answer, and its check.
+
+Scenarios, paths, the check and the rows are here. Nothing here knows a solver.
+"""

@@ -1,4 +1,7 @@
-"""Angles as people write them: `120deg`, `2.0944`, `2pi/3`."""
+"""Read angles as people write them.
+
+Examples are `120deg`, `2.0944` and `2pi/3`.
+"""
 
 from __future__ import annotations
 
@@ -9,10 +12,10 @@ from dubins_study.errors import DubinsStudyError
 from dubins_study.study.values import short
 
 _NUMBER = r"(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
-# sign, number, unit, or pi and what it is divided by
+# sign, number, unit; or pi and its divisor
 _ANGLE = re.compile(rf"([+-]?)({_NUMBER})?\s*(?:(deg|°|rad)|\*?\s*(pi)(?:\s*/\s*({_NUMBER}))?)?")
 TWO_PI = 2 * math.pi  # rad, a full turn
-# rad, of a number without a unit; a full turn written with few digits, such as 6.2832, is still one
+# rad; largest number without a unit. A full turn may be written with few digits, such as 6.2832.
 LARGEST_BARE = TWO_PI * (1 + 1e-4)
 
 
@@ -21,10 +24,15 @@ class AngleError(DubinsStudyError, ValueError):
 
 
 def parse_angle(text: str | float) -> float:
-    """Angle in radians, counter-clockwise, from a number (radians) or a text.
+    """Angle in radians, from a number or a text.
 
-    A text is like `120deg`, `2.0944`, `7rad`, `-pi/2`, `2pi/3` or `0.5*pi`; without a unit, and as
-    a number, it is in radians, up to a full turn. Anything else is an `AngleError`.
+    Angles are counter-clockwise. A number is in radians. A text is like `120deg`, `2.0944`, `7rad`,
+    `-pi/2`, `2pi/3` or `0.5*pi`.
+
+    A number, or a text without a unit, may be at most a full turn.
+
+    Raises:
+        AngleError: if it is not an angle.
     """
     value = _evaluate(str(text).strip())
     if value is None or not math.isfinite(value):

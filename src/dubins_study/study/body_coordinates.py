@@ -1,4 +1,7 @@
-"""The target in the vehicle's frame, in units of the radius, and how exactly it is known."""
+"""The target in the vehicle's frame, and its uncertainty.
+
+Coordinates are in units of the radius.
+"""
 
 from __future__ import annotations
 
@@ -8,18 +11,19 @@ from typing import NamedTuple
 from dubins_study.study.scenario import Scenario
 
 EPS = math.ulp(1.0)
-# What the data's own rounding and the transformation's do to a target, in EPS: twice half an ulp of
-# each coordinate, and for every radius between start and target the heading's half ulp (up to pi)
-# and the roundings of the transformation and of w (docs/derivation.md, section 5).
+# Errors of a target, in EPS, by the rounding of the data and of the transformation
+# (docs/derivation.md, section 5). By extent: twice half an ulp of each coordinate. By distance: for
+# every radius between start and target the heading's half ulp (up to pi), and the roundings of the
+# transformation and of w.
 PER_EXTENT = 2.0 * EPS
 PER_DISTANCE = 12.0 * EPS
 
 
 class Local(NamedTuple):
-    """A target in the vehicle's frame, in units of the radius: X forward, Y to the left.
+    """A target in the vehicle's frame and its uncertainty.
 
-    `delta` is the uncertainty of the data: every target whose X and Y are within delta of these
-    stands for the same question.
+    X points forward, Y to the left, both in units of the radius. `delta` is the uncertainty of the
+    data: every target whose X and Y are within delta of these stands for the same question.
     """
 
     X: float
@@ -32,23 +36,31 @@ class Local(NamedTuple):
 
     @property
     def w(self) -> float:
-        """1 - |T - C_L|^2: positive inside the left turning circle, zero on it (see `power`)."""
+        """Power of the target: 1 - |T - C_L|^2.
+
+        It is positive inside the left turning circle and zero on it (see `power`).
+        """
         return power(*self)
 
 
 def power(X: float, Y: float, delta: float) -> float:
-    """1 - |T - C_L|^2 of a target; zero within delta / 2 of the left turning circle.
+    """Power of a target: 1 - |T - C_L|^2.
 
-    Equals 2Y - r2, written so that it keeps its digits near the start and near (0, 2). Near the
-    circle it is twice the distance from it. Rounding moves it by less than delta, so that a target
-    which is not taken to be on the circle lies on the side that the sign says.
+    It is zero within delta / 2 of the left turning circle.
+
+    It equals 2Y - r2, written so that it keeps its digits near the start and near (0, 2). Near the
+    circle it is twice the distance from it. Rounding moves it by less than delta. So a target that
+    is not taken to be on the circle lies on the side that the sign says.
     """
     w = Y * (2.0 - Y) - X * X
     return 0.0 if abs(w) <= delta else w
 
 
 def local(scenario: Scenario) -> Local:
-    """The target of a scenario in the vehicle's frame (docs/derivation.md, sections 1 and 5)."""
+    """Target of a scenario in the vehicle's frame.
+
+    See docs/derivation.md, sections 1 and 5.
+    """
     X, Y = scenario.local()
     spread = PER_EXTENT * scenario.extent / scenario.radius
     return Local(X, Y, spread + PER_DISTANCE * (abs(X) + abs(Y)))

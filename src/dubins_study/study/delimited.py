@@ -1,4 +1,7 @@
-"""Rows of text with commas or the like between their cells, each with its place."""
+"""Read rows of text, with each row's place.
+
+Commas or other delimiters stand between the cells.
+"""
 
 from __future__ import annotations
 
@@ -12,21 +15,25 @@ _OPEN_QUOTE = "expected each row on a line of its own: is a quotation mark left 
 
 
 class Row(NamedTuple):
-    """The cells of a row, and its place."""
+    """Cells of a row, and its place."""
 
     place: str  # such as `line 7`
     cells: list[str]
 
 
 class Rows(NamedTuple):
-    """The rows of a text, the first of them its header."""
+    """Rows of a text; the first is the header."""
 
     rows: list[Row]
     problems: list[str]  # a sentence for each line that is no row
 
 
 def read_rows(lines: Iterable[str], delimiter: str = ",") -> Rows:
-    """The rows of lines, one a line; empty lines are passed over, longer ones are problems."""
+    """Read the rows of some lines.
+
+    Each line holds one row. Empty lines are skipped. A row that spans several lines or has more
+    cells than the header is a problem.
+    """
     rows: list[Row] = []
     problems: list[str] = []
     line = 0
@@ -51,7 +58,7 @@ def read_rows(lines: Iterable[str], delimiter: str = ",") -> Rows:
 def column_problems(
     names: Sequence[Any], required: Sequence[str], optional: Sequence[str]
 ) -> list[str]:
-    """What is wrong with the names of the columns of a table, a sentence each."""
+    """Problems of a table's column names, a sentence each."""
     expected = f"expected the columns {', '.join(required)} and, if wanted, {', '.join(optional)}"
     columns = (*required, *optional)
     problems = []

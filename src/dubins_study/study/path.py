@@ -1,4 +1,7 @@
-"""Paths as controls: a start pose, then arcs of constant curvature, integrated exactly."""
+"""Paths given by their controls, integrated exactly.
+
+A path is a start pose, then arcs of constant curvature.
+"""
 
 from __future__ import annotations
 
@@ -26,25 +29,27 @@ if TYPE_CHECKING:
 CLAIMS = tuple(Claim)
 # An arc with less than this share of the path's largest curvature counts as straight.
 RIPPLE = 1e-3
-_FEW = 7  # lengths that numpy adds in the same order as a loop does, and slower
+_FEW = 7  # lengths up to which numpy adds in the order of a loop, but slower
 _LOOPED = 24  # arcs up to which a loop is quicker than whole arrays
-_MEETS = 1e-6  # radii, and rad, between the end of a path and the start of the next
-_MOST_POINTS = 10_000_000  # of a path that is sampled by a step or handed on
-_MOST_PARTS = 100_000  # in all turns of a path that is drawn
+_MEETS = 1e-6  # radii and rad; largest gap between the end of a path and the start of the next
+_MOST_POINTS = 10_000_000  # of a path that is sampled or exported
+_MOST_PARTS = 100_000  # parts of all turns of a path that is drawn
 Piece = tuple[int, float, float]  # side (1 left, 0, -1 right), rad, length unit
 
 
 @dataclass(frozen=True, eq=False)
 class Path:
-    """A path given by its controls, each held constant over its length (zero-order hold).
+    """A path given by its controls.
+
+    Each control is held constant over its length (zero-order hold).
 
     Args:
         start: initial pose.
         curvatures: of the arcs, shape (n,), 1 / length unit, positive to the left.
         lengths: of the arcs, shape (n,), length unit.
 
-    Any numbers are accepted, since a path may come from a solver that went wrong; whether it
-    can be driven (finite, no negative length) is for `study.check.verdict` to say.
+    Any numbers are accepted, since a path may come from a solver that went wrong. Whether it can be
+    driven (finite, no negative length) is for `study.check.verdict` to say.
     """
 
     start: Pose
@@ -75,11 +80,13 @@ class Path:
 
     @classmethod
     def join(cls, paths: Iterable[Path]) -> Path:
-        """One path of several, each of which begins where the one before ends.
+        """Join paths that follow one another.
+
+        Each path begins where the one before it ends.
 
         Raises:
-            ValueError: without paths, or if two do not meet to within 1e-6 of the tightest radius
-                there, or 1e-6 rad but for full turns.
+            ValueError: if there are no paths, or if two of them do not meet. They meet if they are
+                within 1e-6 of the tightest radius there, and within 1e-6 rad apart from full turns.
         """
         parts = list(paths)
         if not parts:
@@ -98,24 +105,30 @@ class Path:
         )
 
     def __add__(self, other: Path) -> Path:
-        """This path, then one that begins where it ends; see `join`."""
+        """Join this path and the next; see `join`."""
         return Path.join((self, other))
 
     @cached_property
     def length(self) -> float:
-        """The sum of the arcs' lengths (length unit)."""
+        """Sum of the arcs' lengths (length unit)."""
         if self.lengths.size <= _FEW:
             return sum(self.lengths.tolist(), 0.0)
         return float(self.lengths.sum())
 
     @property
     def turn(self) -> float:
-        """Net heading change (rad, positive to the left), not wrapped."""
+        """Net heading change (rad), positive to the left.
+
+        It is not wrapped.
+        """
         return float((self.curvatures * self.lengths).sum())
 
     @property
     def poses(self) -> FloatArray:
-        """Poses at the ends of the arcs, shape (n + 1, 3); row 0 is the start."""
+        """Poses at the ends of the arcs.
+
+        Shape (n + 1, 3); row 0 is the start.
+        """
         return corners(self.start, self.curvatures, self.lengths)
 
     @property
@@ -123,10 +136,13 @@ class Path:
         return end_of(self.start, self.curvatures, self.lengths)
 
     def at(self, distance: ArrayLike) -> FloatArray:
-        """Poses at given distances along the path, shape (m, 3).
+        """Poses at given distances along the path.
 
         Args:
             distance: shape (m,), or one number; length unit, clipped to [0, total length].
+
+        Returns:
+            Shape (m, 3).
         """
         d = np.clip(np.atleast_1d(np.asarray(distance, dtype=np.float64)), 0.0, self._ends[-1])
         if not self.lengths.size:
@@ -135,26 +151,38 @@ class Path:
         return _advance(self.poses[arc], self.curvatures[arc], d - self._ends[arc])
 
     def at_time(self, time: ArrayLike, speed: float = 1.0) -> FloatArray:
-        """Poses at given times from the start, shape (m, 3).
+        """Poses at given times from the start.
 
         Args:
             time: shape (m,), or one number; time unit, clipped to that of the whole path.
             speed: length units per time unit.
+
+        Returns:
+            Shape (m, 3).
         """
         return self.at(np.asarray(time, dtype=np.float64) * real_number(speed))
 
     def curvature_at(self, distance: ArrayLike) -> FloatArray:
-        """Curvatures at given distances along the path, shape (m,); of two arcs the later one's."""
+        """Curvatures at given distances along the path.
+
+        Shape (m,). Where two arcs meet, the curvature of the later one counts.
+        """
         d = np.atleast_1d(np.asarray(distance, dtype=np.float64))
         return self.curvatures[self._arc_at(d)] if self.lengths.size else np.zeros(d.size)
 
     @property
     def _ends(self) -> FloatArray:
-        """Distances along the path of the ends of its arcs, shape (n + 1,); the first is 0."""
+        """Distances from the start to the arcs' ends.
+
+        Shape (n + 1,); the first is 0.
+        """
         return np.concatenate(([0.0], np.cumsum(self.lengths)))
 
     def _arc_at(self, distance: FloatArray) -> IntArray:
-        """The arc that each distance lies on; of two arcs that meet there, the later one."""
+        """Index of the arc at each distance.
+
+        Where two arcs meet, the later one counts.
+        """
         arc = np.searchsorted(self._ends, distance, side="right") - 1
         return np.clip(arc, 0, self.lengths.size - 1)
 
@@ -163,7 +191,9 @@ class Path:
     @overload
     def sample(self, n: None = None, *, step: float) -> pd.DataFrame: ...
     def sample(self, n: int | None = None, *, step: float | None = None) -> FloatArray | Any:
-        """Poses along the path: `n` of them, or one at every `step`.
+        """Poses along the path, evenly spaced.
+
+        Give either their number `n` or the distance `step` between them.
 
         Args:
             n: number of poses, at equal arc length from the start to the end.
@@ -202,10 +232,12 @@ class Path:
         return pd.DataFrame({"s": s, "x": x, "y": y, "heading": heading, "curvature": curvature})
 
     def to_csv(self, file: Any = None, *, step: float) -> str | None:
-        """Write `sample(step=step)` as CSV to a file or its path; without one, return the text.
+        """Write `sample(step=step)` as CSV.
+
+        The CSV goes to a file or its path. Without one, the text is returned.
 
         Raises:
-            ValueError: as `sample`.
+            ValueError: if the step is no positive number, or for more than ten million poses.
             OSError: if the file cannot be written.
         """
         text: str | None = self.sample(step=step).to_csv(file, index=False)
@@ -218,10 +250,12 @@ class Path:
         origin: tuple[float, float] | None = None,
         **properties: Any,
     ) -> dict[str, Any]:
-        """The path as a GeoJSON Feature for `json.dump`: a LineString; a Point if it has no length.
+        """Convert the path to a GeoJSON Feature for `json.dump`.
 
-        Without an origin the coordinates are the path's own x and y in its length unit: not
-        longitude and latitude, which RFC 7946 takes for granted where nothing else is agreed.
+        The geometry is a LineString, or a Point if the path has no length.
+
+        Without an origin the coordinates are the path's own x and y in its length unit. They are
+        not longitude and latitude, which RFC 7946 assumes unless something else is agreed.
 
         Args:
             chord_error: largest distance between an arc and its chords, as a share of the smallest
@@ -265,14 +299,15 @@ class Path:
         }
 
     def _chords(self, share: float) -> tuple[FloatArray, float | None]:
-        """Ends of chords within a share of the smallest radius, shape (m, 2), and that radius.
+        """Ends of chords along the path, and its radius.
 
-        The radius is None for a straight path.
+        Each chord is within `share` of the smallest radius from its arc. The ends have the shape
+        (m, 2). The radius is the smallest of the arcs, None for a straight path.
         """
         driven = self.lengths > 0
         bend, lengths = np.abs(self.curvatures[driven]), self.lengths[driven]
         sharpest = float(bend.max(initial=0.0))
-        # what is bent by less has a radius that overflows
+        # a smaller curvature has a radius that overflows
         radius = 1 / sharpest if sharpest >= np.finfo(np.float64).tiny else None
         # a chord over the angle a of an arc of radius r is r (1 - cos(a / 2)) from the arc
         angle = 2 * np.arccos(np.maximum(1.0 - share * bend * (radius or 0.0), 0.0))
@@ -283,7 +318,10 @@ class Path:
         return self.at(_cuts(lengths, parts.astype(int)))[:, :2], radius
 
     def _repr_svg_(self) -> str | None:
-        """A line drawing for notebooks, the start a dot; None if the path cannot be driven."""
+        """Draw the path for a notebook.
+
+        A dot marks the start. None if the path cannot be driven or has no length.
+        """
         return self._drawing(f"{short_word(self.word(), 24)}, length {self.length:.6g}")
 
     def _drawing(self, caption: str) -> str | None:
@@ -293,10 +331,11 @@ class Path:
         return svg(points[:, :2], caption)
 
     def word(self, tolerance: float = 1e-6) -> str:
-        """Letters of the path: L, S, R, one for each run of arcs of one kind.
+        """Letters of the path: L, S or R.
 
-        A run to one side that turns by no more than `tolerance` (rad) counts as straight, and a
-        straight that is no longer than `tolerance` times the path is passed over.
+        Each run of arcs of one kind has one letter. A run to one side that turns by no more than
+        `tolerance` (rad) counts as straight. A straight that is no longer than `tolerance` times
+        the path's length has no letter.
         """
         curvatures, lengths = self.curvatures.tolist(), self.lengths.tolist()
         if not (all(map(math.isfinite, curvatures)) and all(map(math.isfinite, lengths))):
@@ -316,12 +355,13 @@ class Path:
 
 
 def corners(start: Pose, curvatures: FloatArray, lengths: FloatArray) -> FloatArray:
-    """Poses at the ends of constant-curvature arcs driven one after another; row 0 is `start`.
+    """Poses at the ends of constant-curvature arcs.
 
-    An arc of curvature k and length l turns the heading by k l; its chord is l sinc(k l / 2) long
-    and points along the mean heading. Exact for the Dubins car, k = 0 included (LaValle 2006,
-    Planning Algorithms, sec. 15.3.1; docs/derivation.md, eq. 2). Headings are not wrapped; where
-    they are not finite, nothing after is.
+    The arcs are driven one after another; row 0 is `start`. An arc of curvature k and length l
+    turns the heading by k l. Its chord is l sinc(k l / 2) long and points along the mean heading.
+    This is exact for the Dubins car, k = 0 included (LaValle 2006, Planning Algorithms, sec.
+    15.3.1; docs/derivation.md, eq. 2). Headings are not wrapped. From the first heading that is not
+    finite on, no pose is.
 
     Args:
         start: initial pose.
@@ -337,14 +377,17 @@ def corners(start: Pose, curvatures: FloatArray, lengths: FloatArray) -> FloatAr
 
 
 def end_of(start: Pose, curvatures: FloatArray, lengths: FloatArray) -> Pose:
-    """The last of `corners`."""
+    """Pose at the end of the last arc.
+
+    It is the last row of `corners`.
+    """
     if lengths.size <= _LOOPED:
         return _few_corners(start, curvatures, lengths)[-1]
     return Pose(*_many_corners(start, curvatures, lengths)[-1].tolist())
 
 
 def _few_corners(start: Pose, curvatures: FloatArray, lengths: FloatArray) -> list[Pose]:
-    """`corners` of few arcs, in a loop."""
+    """Compute `corners` of few arcs, in a loop."""
     cos, sin = math.cos(start.heading), math.sin(start.heading)
     turned = forward = left = 0.0
     poses = [start]
@@ -352,7 +395,7 @@ def _few_corners(start: Pose, curvatures: FloatArray, lengths: FloatArray) -> li
         turn = k * s
         turned += turn
         half = turn / 2 or 1e-20  # sin(x) / x is 1 there
-        # driven in the start's frame: added to a heading of many turns, an angle loses its digits
+        # in the start's frame, since an angle added to a heading of many turns loses its digits
         middle = turned - turn / 2
         if not math.isfinite(middle):
             forward = left = half = middle = math.nan
@@ -367,7 +410,7 @@ def _few_corners(start: Pose, curvatures: FloatArray, lengths: FloatArray) -> li
 
 @np.errstate(all="ignore")  # headings that are not finite
 def _many_corners(start: Pose, curvatures: FloatArray, lengths: FloatArray) -> FloatArray:
-    """`corners` of many arcs, in whole arrays."""
+    """Compute `corners` of many arcs, in whole arrays."""
     cos, sin = math.cos(start.heading), math.sin(start.heading)
     turn = curvatures * lengths
     turned = turn.cumsum()
@@ -381,7 +424,10 @@ def _many_corners(start: Pose, curvatures: FloatArray, lengths: FloatArray) -> F
 
 
 def _chord(turn: FloatArray, length: FloatArray) -> FloatArray:
-    """Chords of arcs that turn by so much (rad); shapes (m,), (m,) -> (m,)."""
+    """Chords of arcs, from their turns and lengths.
+
+    Turns are in rad; shapes (m,), (m,) -> (m,).
+    """
     half = turn / 2
     half[half == 0] = 1e-20  # sin(x) / x is 1 there
     chord: FloatArray = length * (np.sin(half) / half)
@@ -389,7 +435,10 @@ def _chord(turn: FloatArray, length: FloatArray) -> FloatArray:
 
 
 def _advance(poses: FloatArray, curvature: FloatArray, length: FloatArray) -> FloatArray:
-    """Each pose moved along its own arc; shapes (m, 3), (m,), (m,) -> (m, 3)."""
+    """Move each pose along its arc.
+
+    Shapes (m, 3), (m,), (m,) -> (m, 3).
+    """
     turn = curvature * length
     chord = _chord(turn, length)
     middle = poses[:, 2] + turn / 2
@@ -399,7 +448,9 @@ def _advance(poses: FloatArray, curvature: FloatArray, length: FloatArray) -> Fl
 
 
 def outline(path: Path, angle: float = 0.05) -> tuple[FloatArray, FloatArray]:
-    """Poses along a path that cut its arcs into equal parts, and the parts' curvatures.
+    """Poses that cut a path's arcs into equal parts.
+
+    The curvatures of the parts are returned too.
 
     Args:
         path: with finite numbers; an arc of negative length is passed over.
@@ -418,7 +469,10 @@ def outline(path: Path, angle: float = 0.05) -> tuple[FloatArray, FloatArray]:
 
 
 def _cuts(lengths: FloatArray, parts: NDArray[np.int_]) -> FloatArray:
-    """Distances that cut arcs into equal parts, from 0 to the end, shape (parts.sum() + 1,)."""
+    """Distances that cut arcs into equal parts.
+
+    They go from 0 to the end, shape (parts.sum() + 1,).
+    """
     ends = lengths.cumsum()
     place = np.arange(parts.sum()) - (parts.cumsum() - parts).repeat(parts)
     begins = (ends - lengths).repeat(parts)
@@ -426,7 +480,10 @@ def _cuts(lengths: FloatArray, parts: NDArray[np.int_]) -> FloatArray:
 
 
 def _joined(pieces: Iterable[Piece]) -> list[Piece]:
-    """Neighbours of one side made one, their bends and lengths added."""
+    """Merge neighbouring pieces of the same side.
+
+    Their bends and lengths are added.
+    """
     joined: list[Piece] = []
     for side, bend, length in pieces:
         if joined and joined[-1][0] == side:
@@ -438,7 +495,10 @@ def _joined(pieces: Iterable[Piece]) -> list[Piece]:
 
 
 def drivable(path: Path) -> bool:
-    """Whether all numbers are finite, their sums too, and no length is negative."""
+    """Whether a path can be driven.
+
+    All numbers and their sums must be finite, and no length negative.
+    """
     curvatures, lengths = path.curvatures.tolist(), path.lengths.tolist()
     turned = sum(map(mul, curvatures, lengths))
     sums = sum(curvatures), sum(lengths), turned, *path.start
@@ -447,7 +507,9 @@ def drivable(path: Path) -> bool:
 
 @dataclass(frozen=True, eq=False)
 class Paths:
-    """Controls of n paths of at most two or three arcs, each starting at its scenario's start.
+    """Controls of n paths, one a row.
+
+    A path has at most two or three arcs and starts at its scenario's start.
 
     Args:
         curvatures: shape (2, n) or (3, n), 1 / length unit, positive to the left.
@@ -475,7 +537,10 @@ class Paths:
         return int(self.curvatures.shape[-1])
 
     def path(self, row: int, scenario: Scenario) -> Path | None:
-        """One row's path, as the scalar check takes it."""
+        """Path of one row, for the scalar check.
+
+        None if the row has no path.
+        """
         if self.returned is not None and not self.returned[row]:
             return None
         driven = self.lengths[:, row] != 0

@@ -1,4 +1,4 @@
-"""The drawing of a path in a notebook."""
+"""Draw a path for a notebook."""
 
 from __future__ import annotations
 
@@ -10,7 +10,9 @@ _SIDE, _MARGIN = 300.0, 10.0  # pixels of the longer side, and around it
 
 
 def svg(points: FloatArray, caption: str) -> str:
-    """A line through points above a caption, as SVG, with a dot at the start.
+    """Draw a line through points, as SVG.
+
+    A dot marks the start, and a caption stands below.
 
     Args:
         points: on the path, shape (n, 2).

@@ -1,4 +1,7 @@
-"""Scenarios: start pose, via points, target, final heading, turning radius and speed."""
+"""Scenarios: the questions that solvers are asked.
+
+A scenario has a start pose, via points, a target, a final heading, a turning radius and a speed.
+"""
 
 from __future__ import annotations
 
@@ -24,7 +27,10 @@ if TYPE_CHECKING:
 
 
 class Pose(NamedTuple):
-    """Position (length unit) and heading (rad, counter-clockwise from +x)."""
+    """Position (length unit) and heading (rad).
+
+    The heading is counter-clockwise from +x.
+    """
 
     x: float
     y: float
@@ -32,7 +38,10 @@ class Pose(NamedTuple):
 
 
 class Stop(NamedTuple):
-    """A point that a path passes or ends at, and the heading there (rad); None is free."""
+    """A point to pass or to end at.
+
+    The heading there (rad) is None where it is free.
+    """
 
     x: float
     y: float
@@ -40,12 +49,17 @@ class Stop(NamedTuple):
 
 
 class ScenarioError(DubinsStudyError, ValueError):
-    """A scenario or a frame of scenarios that cannot be used; names the field, value and row."""
+    """A scenario, or a frame of them, is unusable.
+
+    The message names the field, the value and the row.
+    """
 
 
 @dataclass(frozen=True, slots=True, init=False)
 class Scenario:
-    """One vehicle, one target, and points to pass on the way there: none for most.
+    """One vehicle and the points it must reach.
+
+    Most scenarios have a target and no via points.
 
     Args:
         x, y: start position; any length unit, the same for all lengths.
@@ -84,7 +98,7 @@ class Scenario:
     order: Order
     closed: bool
     # Whether numbers beyond a full turn are known to be radians, and so give no warning. Those of a
-    # scenario are: `replace` passes this default on.
+    # scenario are known to be radians: `replace` passes this default on.
     _radians: InitVar[bool] = True
 
     def __init__(
@@ -142,7 +156,9 @@ class Scenario:
         origin: tuple[float, float] | None = None,
         **fields: Any,
     ) -> Scenario:
-        """The scenario of places on Earth, in metres on the tangent plane at an origin.
+        """Scenario of places on Earth, in metres.
+
+        The coordinates are on the tangent plane at an origin.
 
         Args:
             start, target: longitude and latitude (degrees, WGS 84); no target as in a scenario.
@@ -154,7 +170,7 @@ class Scenario:
 
         Raises:
             PlaceError: if a place or the origin is none on Earth.
-            ScenarioError: if they are no pairs, and as a scenario.
+            ScenarioError: if they are no pairs, and for the same reasons as `Scenario` itself.
         """
         passed = list(via)
         places = [start, *passed] if target is None else [start, *passed, target]
@@ -176,10 +192,11 @@ class Scenario:
 
     @property
     def extent(self) -> float:
-        """What coordinates are rounded against, the largest size over the legs.
+        """Size that coordinates are rounded against.
 
-        Of a leg from (x1, y1) to (x2, y2) it is `|x1| + |y1| + |x2| + |y2|`. A sum over all points
-        would grow with their number, and rounding does not. Of a tour any two points may be a leg.
+        It is the largest size over the legs (length unit). The size of a leg from (x1, y1) to (x2,
+        y2) is `|x1| + |y1| + |x2| + |y2|`. A sum over all points would grow with their number, and
+        rounding does not. In a tour any two points may be a leg.
         """
         points = self._path_points()
         if self.order is Order.FREE:
@@ -189,7 +206,7 @@ class Scenario:
 
     @property
     def start(self) -> Pose:
-        """The start pose.
+        """Start pose.
 
         Raises:
             ScenarioError: if its heading is free.
@@ -202,7 +219,10 @@ class Scenario:
 
     @property
     def target(self) -> tuple[float, float] | None:
-        """Where the path ends: the start if it is closed; None if any point may be the last."""
+        """Position where the path ends.
+
+        It is the start if the path is closed, and None if any point may be the last.
+        """
         if self.closed:
             return self.x, self.y
         if self.target_x is None or self.target_y is None:
@@ -211,7 +231,7 @@ class Scenario:
 
     @property
     def stops(self) -> tuple[Stop, ...]:
-        """The via points, then the target if there is one."""
+        """Via points, then the target if there is one."""
         passed = tuple(Stop(x, y, heading[0] if heading else None) for x, y, *heading in self.via)
         if self.target is None:
             return passed
@@ -219,49 +239,68 @@ class Scenario:
 
     @property
     def legs(self) -> int:
-        """How many parts the path has from one point to the next."""
+        """Number of legs, from one point to the next."""
         return len(self.via) + (self.target is not None)
 
     @property
     def points(self) -> FloatArray:
-        """Start, via points and target, shape (legs + 1, 2)."""
+        """Positions of start, via points and target.
+
+        Shape (legs + 1, 2).
+        """
         return np.array(self._path_points())
 
     def _path_points(self) -> list[tuple[float, float]]:
         return [(self.x, self.y), *((x, y) for x, y, _ in self.stops)]
 
     def starts(self, path_start: Pose) -> bool:
-        """Whether a path that begins with this pose begins as the scenario does."""
+        """Whether a path's start pose fits the scenario.
+
+        A free heading fits any.
+        """
         return path_start[:2] == (self.x, self.y) and self.heading in (None, path_start.heading)
 
     @property
     def via_x(self) -> list[float] | None:
-        """x of the via points, as a row holds them; None without."""
+        """x of the via points; None without any.
+
+        Rows hold them in this form.
+        """
         return [point[0] for point in self.via] or None
 
     @property
     def via_y(self) -> list[float] | None:
-        """y of the via points, as a row holds them; None without."""
+        """y of the via points; None without any.
+
+        Rows hold them in this form.
+        """
         return [point[1] for point in self.via] or None
 
     @property
     def via_heading(self) -> list[float] | None:
-        """Headings at the via points, as a row holds them: NaN where free; None if all are."""
+        """Headings at the via points.
+
+        A free heading is NaN; None if all are free. Rows hold them in this form.
+        """
         if all(len(point) == 2 for point in self.via):
             return None
         return [point[2] if len(point) == 3 else math.nan for point in self.via]
 
     @property
     def one_free_leg(self) -> bool:
-        """Whether this is the paper's problem; for solvers, which may not know the kinds' answers.
+        """Whether this is the paper's problem.
 
-        Everything else asks `study.kinds.table`.
+        It is for solvers, which may not know the kinds' answers. Everything else asks
+        `study.kinds.table`.
         """
         return not any(self.given)
 
     @property
     def given(self) -> tuple[bool, ...]:
-        """Whether each of the fields of `OPTIONAL` is not as in the paper's problem."""
+        """Which of the fields of `OPTIONAL` are given.
+
+        One flag for each: whether it differs from the paper's problem.
+        """
         free_start = self.heading is None
         return (
             bool(self.via),
@@ -275,14 +314,17 @@ class Scenario:
 
     @property
     def needs(self) -> tuple[str, ...]:
-        """What a solver must take to be asked; of `study.words.NEEDS`."""
+        """Needs that a solver must be able to take.
+
+        They are keys of `study.words.NEEDS`.
+        """
         has = dict(zip(OPTIONAL, self.given, strict=True))
         return tuple(need for need, (name, given) in NEEDS.items() if has[name] == given)
 
     def local(self) -> tuple[float, float]:
-        """Target in the vehicle's frame in units of the radius: X forward, Y to the left.
+        """Target in the vehicle's frame, in radii.
 
-        docs/derivation.md, eq. 1.
+        X points forward, Y to the left (docs/derivation.md, eq. 1).
         """
         assert self.target is not None
         dx, dy = self.target[0] - self.x, self.target[1] - self.y
@@ -294,18 +336,18 @@ NUMBERS = ("x", "y", "heading", "target_x", "target_y", "radius", "speed")  # ev
 VIA = ("via_x", "via_y", "via_heading")
 TOUR = ("order", "closed")
 COLUMNS = (*NUMBERS, "label", *VIA, "final_heading", *TOUR)  # of frames, files and rows
-# of the columns that a frame or a file may leave out: all but the target's
+# for the columns that a frame or a file may leave out: all but the target's
 DEFAULTS: dict[str, Any] = {
     **{"x": 0.0, "y": 0.0, "heading": 0.0, "radius": 1.0, "speed": 1.0, "label": ""},
     **dict.fromkeys((*VIA, "final_heading")),
     **{"order": Order.GIVEN, "closed": False},
 }
-# What tells the kinds of questions apart. `searched` is what no closed form answers: via points, or
-# a start heading that is free.
+# Fields that distinguish the kinds of questions. A scenario is `searched` if no closed form answers
+# it: it has via points, or a free start heading.
 OPTIONAL = ("via", "searched", "final_heading", "via_heading", "free_start", "order", "closed")
 POSITIVE = ("radius", "speed")
 HEADINGS = ("heading", "final_heading")
-# the same for all numbers, so that Python shows it once a line, of a heading that is integrated too
+# the same text for all numbers, so that Python warns once a line, also of an integrated heading
 DEGREES = (
     "is a number of more than a full turn, taken as radians; if it is in degrees, write the "
     "unit, such as '90deg'"
@@ -323,7 +365,10 @@ FREE = "free"  # the text of a heading that is not given
 
 
 def _via(points: Any, radians: bool) -> tuple[tuple[float, ...], ...]:
-    """The via points as tuples of floats: x, y and, where it is given, the heading."""
+    """Via points as tuples of floats.
+
+    Each is x, y and, where it is given, the heading.
+    """
     try:
         if hasattr(points, "columns"):  # a frame that is iterated gives the names of its columns
             some = ["x", "y", *(name for name in points.columns if name == "heading")]
@@ -345,7 +390,10 @@ def _via(points: Any, radians: bool) -> tuple[tuple[float, ...], ...]:
 
 
 def _heading(name: str, value: float | str | None, radians: bool, stacklevel: int) -> float | None:
-    """A heading (rad), None if it is free; a number of degrees, as it seems, gives a warning."""
+    """Heading (rad), or None if it is free.
+
+    A number that seems to be in degrees gives a warning.
+    """
     if value is None or (isinstance(value, str) and value == FREE):
         return None
     number = checked_number(name, value)
@@ -355,7 +403,10 @@ def _heading(name: str, value: float | str | None, radians: bool, stacklevel: in
 
 
 def checked_order(order: str) -> Order:
-    """The order as one of `Order`."""
+    """Order as one of `Order`.
+
+    Any other text is a `ScenarioError`.
+    """
     try:
         return Order(order)
     except ValueError:
@@ -371,7 +422,10 @@ def _flag(name: str, value: Any) -> bool:
 def _refuse_target(
     closed: bool, target_x: Any, target_y: Any, final_heading: Any, passes: bool
 ) -> None:
-    """Refuse a target of a path that ends elsewhere, and a path that passes no point."""
+    """Refuse targets that contradict the scenario's end.
+
+    A closed path, and a tour that may end at any point, must pass a point.
+    """
     given = {"target_x": target_x, "target_y": target_y, "final_heading": final_heading}
     for name, value in given.items():
         if value is not None:
@@ -387,7 +441,10 @@ def _refuse_target(
 def _check_neighbours(
     points: list[tuple[float, float]], order: Order, target: tuple[float, float] | None
 ) -> None:
-    """Refuse a leg between equal points, which has no length to be driven."""
+    """Refuse a leg between equal points.
+
+    Such a leg has no length to be driven.
+    """
     back = target == points[0]
     if order is Order.FREE:
         seen: dict[tuple[float, float], int] = {}
@@ -412,13 +469,16 @@ def _check_neighbours(
 
 def _label(text: str) -> str:
     try:
-        return str.encode(text).decode()  # a plain str of any subclass, as a row can hold it
+        return str.encode(text).decode()  # makes a plain str of any subclass, as a row can hold it
     except (TypeError, UnicodeError):
         raise ScenarioError(f"label is {short(text)}; expected a text") from None
 
 
 def checked_number(name: str, value: float | str | None) -> float:
-    """The value as a float, if the field of this name may have it: a text is one of a heading."""
+    """Value of a field as a float.
+
+    A text is allowed only for a heading. A value that the field may not have is a `ScenarioError`.
+    """
     if value is None:
         raise ScenarioError(f"{name} is missing; expected a number")
     try:

@@ -1,4 +1,7 @@
-"""Scenarios as a frame, one row each: read from any columns, and checked."""
+"""Scenarios as a checked frame, one row each.
+
+Columns may come in many forms.
+"""
 
 from __future__ import annotations
 
@@ -39,21 +42,30 @@ if TYPE_CHECKING:
 
 
 def scenario_column_problems(names: Sequence[Any]) -> list[str]:
-    """What is wrong with the names of the columns of a table of scenarios, a sentence each."""
+    """Problems of a scenario table's column names.
+
+    Each problem is a sentence.
+    """
     required = [name for name in COLUMNS if name not in DEFAULTS and not {*TOUR} & {*names}]
     return column_problems(names, required, [name for name in COLUMNS if name not in required])
 
 
 def check_frame(frame: pd.DataFrame) -> pd.DataFrame:
-    """The frame with the columns of `COLUMNS` in order, float64 where they are numbers.
+    """Check a frame of scenarios and complete its columns.
 
-    Columns of `DEFAULTS` may be left out, and the target's where there is one of `TOUR`; a cell
-    without a label, via points or a final heading may be empty. `order` is categorical. The
-    caller's frame is not changed; its index is kept. Each value is read as `Scenario` takes it, or
-    in those of `VIA` as `numbers_of` does; a column `via` of lists of stops stands for them. A
-    `ScenarioError` names columns, or the first row that no scenario may have. A heading beyond a
-    full turn that is no text gives a warning, as a scenario's does. A start heading is free where
-    it is `free`, or empty in a frame that has all columns; elsewhere an empty one is refused.
+    The result has the columns of `COLUMNS` in order, float64 where they are numbers; `order` is
+    categorical. The caller's frame is not changed; its index is kept.
+
+    Columns of `DEFAULTS` may be left out, and the target's where there is one of `TOUR`. A cell
+    without a label, via points or a final heading may be empty. A start heading is free where it is
+    `free`, or empty in a frame that has all columns; elsewhere an empty one is refused.
+
+    Each value is read as `Scenario` takes it, and those of `VIA` as `numbers_of` does. A column
+    `via` of lists of stops stands for those of `VIA`. A heading beyond a full turn that is no text
+    gives a warning, as a scenario's does.
+
+    Raises:
+        ScenarioError: names the columns, or the first row that no scenario may have.
     """
     import pandas as pd
 
@@ -73,7 +85,10 @@ def check_frame(frame: pd.DataFrame) -> pd.DataFrame:
 
 
 def _columns_of_numbers(frame: pd.DataFrame) -> dict[str, Any] | None:
-    """The columns of one leg a row, each checked as a whole; None if rows are to be looked at."""
+    """Columns of a frame of plain legs.
+
+    Each column is checked as a whole. None if the rows have to be read one by one.
+    """
     n = len(frame)
     if not n or any(name in frame and not frame[name].isna().all() for name in ("via", *VIA)):
         return None
@@ -88,7 +103,7 @@ def _columns_of_numbers(frame: pd.DataFrame) -> dict[str, Any] | None:
     columns["label"] = _labels(frame) if "label" in frame else ""
     if columns["label"] is None:
         return None
-    # of a row of the largest coordinates and the smallest radius of all, which few frames have
+    # as if one row had the largest coordinates and the smallest radius, which few frames have
     places = [columns[name] for name in ("x", "y", "target_x", "target_y")]
     worst = sum(max(abs(place.min()), abs(place.max())) for place in places)
     if worst > LARGEST_EXTENT * columns["radius"].min():
@@ -98,14 +113,20 @@ def _columns_of_numbers(frame: pd.DataFrame) -> dict[str, Any] | None:
 
 
 def _orders(codes: Any) -> Any:
-    """A column of orders, which takes a byte a row, by their places in `Order`."""
+    """Column of orders, from their places in `Order`.
+
+    It takes a byte a row.
+    """
     import pandas as pd
 
     return pd.Categorical.from_codes(codes, pd.Index([str(order) for order in Order]))
 
 
 def _doubles(frame: pd.DataFrame, name: str) -> FloatArray | None:
-    """A column of numbers as doubles, read-only; None if one of them is refused, or is a text."""
+    """Column of numbers as read-only doubles.
+
+    None if one of them is refused, or is a text.
+    """
     if name not in frame:
         default = DEFAULTS.get(name)
         # takes no memory
@@ -114,7 +135,7 @@ def _doubles(frame: pd.DataFrame, name: str) -> FloatArray | None:
         return None
     with np.errstate(over="ignore"):
         values = frame[name].to_numpy(dtype=np.float64, na_value=np.nan).view()
-    values.flags.writeable = False  # whoever gets the frame may read it
+    values.flags.writeable = False  # the frame's other readers share the array
     # min and max see NaN and both infinities without a temporary array of the frame's length
     low, high = values.min(), values.max()
     if name == "final_heading":  # free where it is NaN
@@ -124,7 +145,10 @@ def _doubles(frame: pd.DataFrame, name: str) -> FloatArray | None:
 
 
 def _labels(frame: pd.DataFrame) -> pd.Series[Any] | None:
-    """The labels, if each is a text that a row can hold."""
+    """Column of labels.
+
+    None if one is not a text that a row can hold.
+    """
     from pandas.api.types import infer_dtype
 
     labels = frame["label"]
@@ -135,7 +159,10 @@ def _labels(frame: pd.DataFrame) -> pd.Series[Any] | None:
 
 
 def _columns_row_by_row(frame: pd.DataFrame) -> dict[str, Any]:
-    """The columns of any frame; the first row that no scenario may have is refused."""
+    """Columns of any frame, read row by row.
+
+    The first row that no scenario may have is refused.
+    """
     import pandas as pd
 
     found = []
@@ -160,7 +187,10 @@ def _columns_row_by_row(frame: pd.DataFrame) -> dict[str, Any]:
 
 
 def list_column(lists: Sequence[list[float] | None]) -> Any:
-    """A column of lists of doubles; null where there is none."""
+    """Column of lists of doubles.
+
+    It is null where there is no list.
+    """
     import pandas as pd
     import pyarrow as pa
 
@@ -168,7 +198,10 @@ def list_column(lists: Sequence[list[float] | None]) -> Any:
 
 
 def nulls(n: int) -> Any:
-    """A `list_column` of n rows without lists, which takes no memory to speak of."""
+    """A `list_column` of n rows without lists.
+
+    It takes hardly any memory.
+    """
     import pandas as pd
     import pyarrow as pa
 
@@ -176,24 +209,33 @@ def nulls(n: int) -> Any:
 
 
 def with_final_headings(frame: pd.DataFrame) -> bool:
-    """Whether the rows of a checked frame of one kind have final headings."""
+    """Whether the rows have final headings.
+
+    All rows of the checked frame are of one kind.
+    """
     return bool(frame["final_heading"].notna().any())
 
 
 def row_name(frame: pd.DataFrame, row: int) -> str:
-    """A row of a frame in messages, by its label."""
+    """Name of a frame's row in messages.
+
+    It is the row's label.
+    """
     label = frame.index[row]
     return f"row {short(label.item() if isinstance(label, np.generic) else label)}"
 
 
 def scenarios(frame: pd.DataFrame) -> Iterator[Scenario]:
-    """The rows of a checked frame, one `Scenario` each."""
+    """Scenarios of a checked frame, one a row."""
     for row in frame[list(COLUMNS)].itertuples(index=False, name=None):
         yield scenario_of(dict(zip(COLUMNS, row, strict=True)))
 
 
 def scenario_of(row: Mapping[Any, Any]) -> Scenario:
-    """The scenario of a row that has the columns of `COLUMNS`, or some of them."""
+    """Scenario of a row.
+
+    The row has the columns of `COLUMNS`, or some of them.
+    """
     fields: dict[str, Any] = {name: row[name] for name in NUMBERS if name in row}
     for name in ("label", "final_heading", *TOUR):
         if not is_missing(row.get(name)):
@@ -218,11 +260,11 @@ def scenario_of(row: Mapping[Any, Any]) -> Scenario:
 
 
 def numbers_of(name: str, value: Any) -> list[float] | None:
-    """A cell of `VIA`: a list of numbers, or a text of numbers and spaces.
+    """Numbers of a cell of `VIA`.
 
-    None for a cell without any. One number is a list of itself, since readers of CSV make numbers
-    of such cells. Of `via_heading` a number may be an angle with a unit, and what is missing or
-    `free` is NaN.
+    A cell is a list of numbers, or a text of numbers and spaces. None for an empty cell. One number
+    counts as a list, since readers of CSV make numbers of such cells. In `via_heading` a number may
+    be an angle with a unit, and a heading that is missing or `free` is NaN.
     """
     if is_missing(value):
         return None
@@ -255,9 +297,10 @@ def is_missing(value: Any) -> bool:
 
 
 def solve_command(row: Mapping[Any, Any]) -> str:
-    """The `dubins-study solve` command of a row; numbers with all their digits, quoted for a shell.
+    """The `dubins-study solve` command of a row.
 
-    It states the profile and `time_limit_s` if the row has them.
+    Numbers have all their digits, and the command is quoted for a shell. It states the profile and
+    `time_limit_s` if the row has them.
     """
     s = scenario_of(row)
     words = ["dubins-study", "solve"]
@@ -287,12 +330,18 @@ def solve_command(row: Mapping[Any, Any]) -> str:
 
 
 def _heading_text(heading: float | None) -> str:
-    """A heading as the command reads it: it takes no bare number beyond a full turn."""
+    """Heading as the command line reads it.
+
+    The command line takes no bare number beyond a full turn.
+    """
     if heading is None:
         return FREE
     return number_text(heading) + ("rad" if abs(heading) > LARGEST_BARE else "")
 
 
 def number_text(value: object) -> str:
-    """A number that reads back as the same double; a whole one without its `.0`."""
+    """Text that reads back as the same double.
+
+    A whole number has no `.0`.
+    """
     return repr(float(str(value))).removesuffix(".0")

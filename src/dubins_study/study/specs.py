@@ -1,6 +1,7 @@
-"""The grammar of specs: `name[setting=value,...]`, and `{a,b}` for several of them.
+"""Grammar of solver specs: `name[setting=value,...]`.
 
-A name is one that a solver is registered under, or `file.py:Class`.
+`{a,b}` stands for several values. A name is one that a solver is registered under, or
+`file.py:Class`.
 """
 
 from __future__ import annotations
@@ -14,18 +15,21 @@ from dubins_study.errors import DubinsStudyError
 
 
 class SolverError(DubinsStudyError, ValueError):
-    """A solver that does not exist, does not extend `Solver`, or has no such setting."""
+    """A solver or its setting is not usable.
+
+    The solver does not exist, does not extend `Solver`, or has no such setting.
+    """
 
 
 class Spec(NamedTuple):
-    """A solver's name and the settings that are given, as texts."""
+    """Solver name and the settings given, as texts."""
 
     name: str
     settings: dict[str, str]
 
 
 class PluginFile(NamedTuple):
-    """The name of a solver that is a class of a file."""
+    """File and class that a plug-in's name states."""
 
     file: str
     class_name: str
@@ -35,7 +39,11 @@ _SPEC = re.compile(r"(?P<name>[^\[\]]+?)(?:\[(?P<settings>[^\[\]]*)\])?")
 
 
 def parse_spec(spec: str) -> Spec:
-    """The parts of a spec; a SolverError names what does not parse."""
+    """Split a spec into its name and settings.
+
+    Raises:
+        SolverError: names the part that does not parse.
+    """
     if not isinstance(spec, str):
         raise SolverError(f"solver is {spec!r}; expected a text, name[setting=value]")
     match = _SPEC.fullmatch(spec.strip())
@@ -53,12 +61,18 @@ def parse_spec(spec: str) -> Spec:
 
 
 def name_of(spec: str) -> str:
-    """The name in a spec, whether the rest of it parses or not."""
+    """Name in a spec.
+
+    The rest of the spec need not parse.
+    """
     return spec.partition("[")[0].strip()
 
 
 def plugin_file(name: str) -> PluginFile | None:
-    """The parts of the name `file.py:Class`; None of one that a solver is registered under."""
+    """Parts of the name `file.py:Class`.
+
+    None for a registered name.
+    """
     file, mark, class_name = name.rpartition(".py:")
     return PluginFile(f"{file}.py", class_name) if mark else None
 
@@ -69,7 +83,10 @@ MOST_SPECS = 1000
 
 
 def written_out(spec: str) -> list[str]:
-    """One spec for each combination of the choices in a spec's braces, such as `n={10,20}`."""
+    """Specs that a spec with braces stands for.
+
+    There is one for each combination of the choices in braces, such as `n={10,20}`.
+    """
     texts = _BRACES.split(spec)  # every second one stood in braces
     if re.search("[{}]", "".join(texts)) or spec.count("[") != spec.count("]"):
         raise SolverError(

@@ -1,4 +1,7 @@
-"""The tangent plane of a point on Earth: longitude and latitude as metres east and north."""
+"""Tangent plane of a point on Earth.
+
+It turns longitude and latitude into metres east and north.
+"""
 
 from __future__ import annotations
 
@@ -18,16 +21,17 @@ if TYPE_CHECKING:
 
 
 class PlaceError(DubinsStudyError, ValueError):
-    """A longitude and a latitude that are no place on Earth."""
+    """Longitude and latitude that are no place on Earth."""
 
 
 @dataclass(frozen=True)
 class TangentPlane:
-    """The azimuthal equidistant projection of the ellipsoid WGS 84 around one point.
+    """Azimuthal equidistant projection around one point.
 
-    A point keeps its distance and its direction from the middle; across, lengths are too long by
-    about r**2 / (6 a**2) at the distance r, with a = 6378 km (Snyder 1987, Map Projections: A
-    Working Manual, section 25). Geodesics are those of GeographicLib (Karney 2013).
+    The ellipsoid is WGS 84. A point keeps its distance and its direction from the middle. Across
+    that direction, lengths are too long by about r**2 / (6 a**2) at the distance r, with a = 6378
+    km (Snyder 1987, Map Projections: A Working Manual, section 25). Geodesics are those of
+    GeographicLib (Karney 2013).
 
     Args:
         latitude, longitude: of the middle, degrees; latitude between -90 and 90, both excluded.
@@ -37,7 +41,10 @@ class TangentPlane:
     longitude: float
 
     def to_plane(self, degrees: ArrayLike) -> FloatArray:
-        """Metres east and north of the middle, of longitudes and latitudes; shape (n, 2)."""
+        """Metres east and north of the middle.
+
+        They belong to longitudes and latitudes (degrees); shape (n, 2).
+        """
         east_north = []
         for longitude, latitude in np.asarray(degrees, dtype=float).reshape(-1, 2).tolist():
             line = _geodesic().Inverse(self.latitude, self.longitude, latitude, longitude)
@@ -46,21 +53,30 @@ class TangentPlane:
         return np.array(east_north).reshape(-1, 2)
 
     def to_earth(self, points: ArrayLike) -> FloatArray:
-        """Longitudes and latitudes (degrees) of metres east and north, shape (n, 2)."""
+        """Longitudes and latitudes (degrees) of plane points.
+
+        The points are metres east and north of the middle; shape (n, 2).
+        """
         return np.array([line[:2] for line in self.on_earth(points)]).reshape(-1, 2)
 
     def convergence(self, points: ArrayLike) -> FloatArray:
-        """How far the plane's +y lies clockwise of true north at each point (rad), shape (n,)."""
+        """Angle of +y clockwise from true north (rad).
+
+        One for each point, shape (n,).
+        """
         return np.array([line[2] for line in self.on_earth(points)])
 
     def distortion(self, points: ArrayLike) -> float:
-        """The largest relative error of a length near any of the points."""
+        """Largest relative error of a length near the points."""
         away = np.hypot(*np.asarray(points, dtype=float).reshape(-1, 2).T)
         angle = float(away.max(initial=0.0)) / _geodesic().a
         return angle / math.sin(angle) - 1 if 0 < angle < math.pi else 0.0
 
     def on_earth(self, points: ArrayLike) -> Iterable[tuple[float, float, float]]:
-        """Longitude, latitude (degrees) and convergence (rad) at each point."""
+        """Longitude, latitude (degrees) and convergence (rad).
+
+        One triple for each point.
+        """
         for x, y in np.asarray(points, dtype=float).reshape(-1, 2).tolist():
             azimuth = math.degrees(math.atan2(x, y))
             line = _geodesic().Direct(self.latitude, self.longitude, azimuth, math.hypot(x, y))
@@ -70,7 +86,7 @@ class TangentPlane:
 
 
 def plane_at(origin: Any) -> TangentPlane:
-    """The tangent plane at a pair of latitude and longitude, degrees.
+    """Tangent plane at a latitude and longitude (degrees).
 
     Raises:
         PlaceError: if it is no such pair, or a pole.
@@ -97,7 +113,9 @@ def check_place(longitude: float, latitude: float) -> None:
 
 
 def middle_of(degrees: ArrayLike) -> TangentPlane:
-    """The tangent plane at the middle of the box around longitudes and latitudes, shape (n, 2).
+    """Tangent plane at the middle of some places.
+
+    The middle is that of the box around their longitudes and latitudes, shape (n, 2).
 
     Points on both sides of the meridian of 180 degrees have a middle between them.
     """
@@ -108,6 +126,6 @@ def middle_of(degrees: ArrayLike) -> TangentPlane:
 
 
 def _geodesic() -> Any:
-    from geographiclib.geodesic import Geodesic  # only of what lies on Earth
+    from geographiclib.geodesic import Geodesic  # only scenarios on Earth need it
 
     return Geodesic.WGS84

@@ -1,4 +1,7 @@
-"""When a path counts as arriving, as drivable and as optimal: the one place that says so."""
+"""Tolerances for arriving, for driving and for optimality.
+
+No other module states them.
+"""
 
 from __future__ import annotations
 
@@ -12,10 +15,10 @@ from dubins_study.study.values import did_you_mean, short
 
 # radii: the largest distance to the target of a path that arrives, in every profile
 ARRIVES = 1e-6
-# rad: the largest error of a final heading that is given, in every profile. It moves nothing but
-# the heading itself, and turning by it takes as many radii of path as a target may be missed by.
+# rad: the largest error of a given final heading, in every profile. The error changes nothing but
+# the heading itself. Turning by it takes as many radii of path as a target may be missed by.
 HEADED = ARRIVES
-# of the coordinates' size and a path's length: what driving in floating point loses
+# share of the coordinates' size and a path's length that driving in floating point loses
 DRIVEN = 32.0 * EPS
 # Seconds after which the search for a route's reference ends; most take less than one. They are
 # counted in work (`kinds.shortest.BOXES_A_SECOND`): a slower machine takes longer for the same
@@ -23,15 +26,16 @@ DRIVEN = 32.0 * EPS
 # may be undecided, but never wrong.
 SEARCH_S = 20.0
 PATIENCE = 5.0
-_PATIENCE_OF_ONE = 0.8  # of a single solve, whose caller waits: the rest is for what has no clock
+# for a single solve, whose caller waits: the rest is for steps that do not check the clock
+_PATIENCE_OF_ONE = 0.8
 
 
 @dataclass(frozen=True, slots=True)
 class Tolerances:
-    """When a path counts as arriving, as drivable and as optimal, and the effort to find out.
+    """Tolerances of a check, and its effort.
 
-    A check ends `patience` times `search_s` after it began, or soon after: what it has not done by
-    then is not proved.
+    They say when a path counts as arriving, as drivable and as optimal. A check ends `patience`
+    times `search_s` after it began, or soon after. Anything not done by then is not proved.
     """
 
     miss: float = ARRIVES  # largest distance to the target, in turning radii
@@ -42,14 +46,14 @@ class Tolerances:
     until: float = math.inf  # of `perf_counter`: when the check ends
 
     def begun(self) -> Tolerances:
-        """The tolerances of a check that begins now."""
+        """Tolerances of a check that begins now."""
         end = perf_counter() + self.patience * self.search_s
         return replace(self, until=min(end, self.until))
 
 
 DEFAULT = Tolerances()
 # Named tolerances; a solver may add settings of its own under the same name (its `profiles`).
-# `default` calls four digits of the length optimal: what a plotted path or a flight plan can use.
+# `default` calls four digits of the length optimal, enough for a plotted path or a flight plan.
 # `accurate` asks for what an NLP solver reaches at its usual tolerance; `fast` for three digits.
 PROFILES = {
     "default": DEFAULT,
@@ -63,7 +67,7 @@ class ProfileError(DubinsStudyError, ValueError):
 
 
 def tolerances(profile: str, limit: float = math.inf) -> Tolerances:
-    """The tolerances of a profile.
+    """Tolerances of a profile.
 
     With a limit (s) of a solve, its check takes no longer than that by the clock, and no longer
     than `SEARCH_S`.
@@ -79,15 +83,18 @@ def tolerances(profile: str, limit: float = math.inf) -> Tolerances:
 
 
 def allowed_miss(miss: float, radius: float, extent: float, length: float) -> float:
-    """How far from a point a path may pass it (length unit), the rounding of driving included.
+    """Largest distance at which a point counts as passed.
 
-    `miss` is `Tolerances.miss` (radii), `extent` is `Scenario.extent`, 0 of a path from the origin.
+    In the length unit, with the rounding of driving included. `miss` is `Tolerances.miss` (radii),
+    `extent` is `Scenario.extent`, 0 of a path from the origin.
     """
     return miss * radius + DRIVEN * (extent + length)
 
 
 def arrives(miss: float, radius: float, extent: float, length: float, allowed: float) -> bool:
-    """Whether a path ends at its target, up to the tolerance and the rounding of driving it.
+    """Whether a path ends at its target.
+
+    The tolerance and the rounding of driving are allowed for.
 
     A path that is so long that rounding moves its end by more than a radius cannot be checked.
     `miss` is the distance from its end to the target, `extent` is `Scenario.extent`, `allowed` is

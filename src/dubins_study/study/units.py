@@ -1,4 +1,4 @@
-"""Signs that a scenario's points and its turning radius are not in one unit of length."""
+"""Detect points and radius in different length units."""
 
 from __future__ import annotations
 
@@ -11,7 +11,10 @@ _DEGREES = np.array([180.0, 90.0])  # of longitude and latitude
 
 
 def doubtful_units(scenario: Scenario) -> str | None:
-    """What is odd about a route's points beside its radius, and how they are understood.
+    """Warning about the units of a route's points.
+
+    It says why they look odd beside the radius, and how they are understood. None if they look
+    right.
 
     Points of a mission in degrees, or in kilometres beside a radius in metres, lie within a small
     part of the radius. Dense tracks lie within a radius too, but hardly ever within the ranges of

@@ -1,7 +1,8 @@
-"""Values from outside: taken as numbers, shown in messages, and guessed where a name is misspelt.
+"""Values from outside, as numbers and in messages.
 
-Control characters mean something to terminals, XML and TeX and nothing to a reader, so they are
-written out here. Escaping for HTML, Markdown or TeX is up to the templates of the report.
+A misspelt name is answered with the nearest known name. Control characters mean something to
+terminals, XML and TeX and nothing to a reader, so they are written out here. Escaping for HTML,
+Markdown or TeX is up to the templates of the report.
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ import numpy as np
 
 from dubins_study.study.arrays import FloatArray
 
-# `float` takes these, or loses a part of them; a text is a number on the command line alone
+# `float` accepts these, or loses a part of them. Only on the command line a text is a number.
 _NO_NUMBERS = (
     *(str, bytes, bytearray, memoryview, bool, complex),
     *(np.bool_, np.complexfloating, np.timedelta64, np.datetime64, np.ndarray),
@@ -24,10 +25,13 @@ _NO_NUMBERS = (
 
 
 def real_number(value: Any) -> float:
-    """The value as a float: an int, float, Fraction or Decimal, one of numpy's, or the like.
+    """Value as a float.
 
-    A boolean, complex, text, bytes, duration, date or array is a TypeError. `float` may raise
-    others, such as an OverflowError for an integer of 400 digits.
+    It may be an int, float, Fraction or Decimal, one of NumPy's numbers, or the like.
+
+    Raises:
+        TypeError: of a boolean, complex, text, bytes, duration, date or array. `float` may raise
+            others, such as an OverflowError for an integer of 400 digits.
     """
     if type(value) is float:  # as nearly all are
         return value
@@ -39,12 +43,18 @@ def real_number(value: Any) -> float:
 
 
 def number_of_text(text: str) -> float:
-    """The number that a text is; a ValueError of `1_000`, which Python's `float` takes."""
+    """Number that a text states.
+
+    `1_000`, which Python's `float` takes, is a ValueError.
+    """
     return float(text.replace("_", "?"))
 
 
 def doubles(name: str, values: Any) -> FloatArray:
-    """Numbers as an array of doubles of this machine; what is masked is NaN."""
+    """Numbers as an array of native doubles.
+
+    Masked numbers are NaN.
+    """
     if type(values) is np.ndarray and values.dtype == np.float64 and values.dtype.isnative:
         return values
     if isinstance(values, np.ma.MaskedArray):
@@ -66,7 +76,10 @@ def _item(name: str, value: Any) -> float:
 
 
 def real_array(name: str, values: Any, shape: tuple[int, ...]) -> FloatArray:
-    """`doubles` of a given shape; a TypeError names the array, its shape and what was expected."""
+    """Array of `doubles` with a given shape.
+
+    A TypeError names the array, its shape and the expected shape.
+    """
     array = doubles(name, values)
     if array.shape != shape:
         raise TypeError(f"{name} has shape {array.shape}; expected {shape}")
@@ -74,14 +87,20 @@ def real_array(name: str, values: Any, shape: tuple[int, ...]) -> FloatArray:
 
 
 def plain(text: str, kept: str = "") -> str:
-    """The text on one line: what cannot be printed, but for `kept`, is written as Python does."""
+    """Text on one line, without unprintable characters.
+
+    They are written as Python writes them, except for those in `kept`.
+    """
     if text.isprintable():
         return text
     return "".join(c if c.isprintable() or c in kept else repr(c)[1:-1] for c in text)
 
 
 def unwritable(file: Path) -> str | None:
-    """Why a file cannot be written; one that does not exist is made to find out, and removed."""
+    """Reason why a file cannot be written.
+
+    None if it can. To find out, a file that does not exist is made and removed.
+    """
     try:
         if file.is_dir():
             return os.strerror(errno.EISDIR)
@@ -99,7 +118,7 @@ _SHORT = 60  # characters
 
 
 def short(value: Any) -> str:
-    """The value's repr, shortened to what fits into a message."""
+    """The value's repr, shortened to fit a message."""
     try:
         text = repr(value)
     except Exception:  # an integer of more than 4300 digits, or a class of a plug-in
@@ -108,12 +127,18 @@ def short(value: Any) -> str:
 
 
 def printable_text(text: str) -> str:
-    """The text with what cannot be printed written out; line breaks and tabs stay."""
+    """Text with unprintable characters written out.
+
+    Line breaks and tabs stay.
+    """
     return plain(text, "\n\t")
 
 
 def printable_values(value: Any) -> Any:
-    """A value of JSON with all its texts and keys made printable."""
+    """JSON value with all texts made printable.
+
+    Keys are made printable too.
+    """
     if isinstance(value, str):
         return printable_text(value)
     if isinstance(value, list):
@@ -124,11 +149,14 @@ def printable_values(value: Any) -> Any:
 
 
 _LEAST_ALIKE = 0.65  # difflib's ratio: twice the letters in common, over all letters of both
-_MAX_CHARS = 80  # of a name; a longer one is no slip of the fingers
+_MAX_CHARS = 80  # of a name; a longer one is no misspelling
 
 
 def nearest(name: object, known: Iterable[str]) -> str | None:
-    """The known name most like a name, whatever its case; None if none is much like it."""
+    """Known name that is most like a name.
+
+    Upper and lower case count as equal. None if no known name is similar.
+    """
     if not isinstance(name, str) or not 0 < len(name) <= _MAX_CHARS:
         return None
     from difflib import get_close_matches  # only a refusal needs it
@@ -141,6 +169,9 @@ def nearest(name: object, known: Iterable[str]) -> str | None:
 
 
 def did_you_mean(name: object, known: Iterable[str]) -> str:
-    """`did you mean 'ipopt'? `, to stand before the list of all names; empty if none is near."""
+    """Hint such as `did you mean 'ipopt'? `.
+
+    It stands before the list of all names. It is empty if no name is near.
+    """
     match = nearest(name, known)
     return "" if match is None else f"did you mean {match!r}? "

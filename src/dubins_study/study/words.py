@@ -1,4 +1,7 @@
-"""The words of the study: letters, branches, formulations, and what may be said of an answer."""
+"""Words of the study, as constants and types.
+
+They name letters, branches, formulations, claims and verdicts.
+"""
 
 from __future__ import annotations
 
@@ -11,11 +14,11 @@ from typing import NamedTuple
 TURN = {"L": 1.0, "S": 0.0, "R": -1.0}
 BRANCHES = ("best", "LS", "RS", "LR", "RL")  # of one leg with a free final heading
 POSE_BRANCHES = ("best", "LSL", "RSR", "LSR", "RSL", "RLR", "LRL")  # of one leg that has one given
-# Of no path, but of the convex problem that was frozen from a route and that its label names
-# (study.convex).
+# The branch without a path: the convex problem that was frozen from a route (study.convex). The
+# scenario's label names it.
 FROZEN = "frozen"
 
-# What scenarios need of a solver, and solvers say that they take.
+# Needs of scenarios, which solvers say that they take.
 VIA_POINTS = "via points"
 FREE_FINAL_HEADING = "free final heading"
 FINAL_HEADING = "final heading"
@@ -23,7 +26,7 @@ HEADINGS_AT_STOPS = "headings at stops"
 FREE_START = "free start heading"
 FREE_ORDER = "free order"
 CLOSED = "closed"
-# the field of a scenario that brings the need about, and whether by being given or left out
+# the field of a scenario that causes the need, and whether it has to be given (or left out)
 NEEDS = {
     VIA_POINTS: ("via", True),
     FREE_FINAL_HEADING: ("final_heading", False),
@@ -36,7 +39,7 @@ NEEDS = {
 # what most solvers of routes take
 IN_ORDER = frozenset({VIA_POINTS, FREE_FINAL_HEADING, FINAL_HEADING})
 
-# Kinds of engines: each reads formulations of its own; they head the table of both.
+# Kinds of engines, each with its own formulations. They are headings in the table of both.
 EXACT = "exact"
 NLP = "local NLP"
 PROVEN = "global, with proof"
@@ -48,25 +51,25 @@ MILP = "MILP"
 CONSTRAINTS = "constraint programming"
 ROUTING = "routing library"
 
-# Engines that are the code of another one: both are one unit where a sentence speaks of engines in
-# general. Bonmin solves its nodes by Ipopt, and has one node without integers.
+# Engines that share the code of another one. Both count as one engine in general statements. Bonmin
+# solves its nodes by Ipopt, and has one node without integers.
 SAME_CODE = MappingProxyType({"Bonmin": "Ipopt", "NLopt SLSQP": "SLSQP", "Uno filterSQP": "Uno"})
 
 
 class Formulation(NamedTuple):
-    """A mathematical problem that is handed to engines."""
+    """A mathematical problem handed to engines."""
 
     name: str  # the column `formulation` of rows
     short: str  # its name beside an engine's in figures
     specs: Mapping[str, str]  # by kind of engine: the spec that asks for it; `{}` is the engine
-    # by kind of engine: why none of the kind can read it, if not for the usual reason
+    # by kind of engine: why none of them can read it, if the reason is unusual
     reasons: Mapping[str, str] = MappingProxyType({})
-    knows: str = ""  # of the answer: the formula, the words, or the shape of its pieces
+    knows: str = ""  # known of the answer: the formula, the words, or the shape of its pieces
     several: bool = False  # `bearing` tries several guesses a word, of one leg with a free heading
 
 
-# What initial guesses know of the answer, by the column `guess`: one is drawn toward the target,
-# `words` has one for each word, `blind` nothing of the answer's shape; random ones are ten.
+# Knowledge in initial guesses, by the column `guess`. `one` is drawn toward the target, `words` has
+# a guess for each word, `blind` knows nothing of the answer's shape. There are ten random guesses.
 GUESSES = MappingProxyType(
     {"one": "one", "bearing": "one", "words": "words", "given": "warm", "warm": "warm"}
     | {"straight": "blind", "zero": "blind", "random": "several blind"}
@@ -189,7 +192,7 @@ BY_NAME = {formulation.name: formulation for formulation in FORMULATION_LIST}
 
 
 class Order(StrEnum):
-    """Whether the via points of a scenario are passed in their order, or in any."""
+    """Order in which via points are passed."""
 
     GIVEN = "given"
     FREE = "free"
@@ -199,7 +202,7 @@ class Order(StrEnum):
 
 
 class Outcome(StrEnum):
-    """The way in which the call of a solver ended."""
+    """How the call of a solver ended."""
 
     RETURNED = "returned"
     TIMEOUT = "timeout"
@@ -207,14 +210,14 @@ class Outcome(StrEnum):
     RAISED = "raised"
     OUT_OF_MEMORY = "out_of_memory"
     UNSUPPORTED = "unsupported"
-    # of a `rising` experiment: the solver failed on all shorter routes; of a file of answers: it
-    # has none
+    # in a `rising` experiment the solver failed on all shorter routes; in a file of answers there
+    # is none for this question
     NOT_ASKED = "not_asked"
     UNAVAILABLE = "unavailable"
 
 
 class Claim(StrEnum):
-    """What a solver says of its answer, strongest first."""
+    """A solver's claim about its answer, strongest first."""
 
     OPTIMAL = "optimal"
     LOCAL = "local"
@@ -226,29 +229,29 @@ class Claim(StrEnum):
     NONE = "none"
 
 
-# claims that there is no path: a proof of it, or the end of a local search
+# claims that there is no path: proven, or the end of a local search
 DENIALS = (Claim.INFEASIBLE, Claim.LOCALLY_INFEASIBLE)
 
 
 class Verdict(StrEnum):
-    """What the check finds."""
+    """Finding of the check about an answer."""
 
     OPTIMAL = "optimal"
     LONGER = "longer"
     MISSES = "misses"
     NONE = "none"
     NONE_EXISTS = "none exists"
-    UNDECIDED = "undecided"  # of a route whose proven interval is too wide to tell
+    UNDECIDED = "undecided"  # the proven interval of a route is too wide to decide
 
 
 class Proof(StrEnum):
-    """How far the proof of an answer goes, furthest first.
+    """How far an answer's proof goes, furthest first.
 
     * proved: the length is within tolerance of a proven interval around the shortest lengths of
-      the targets within delta, and the path is an extremal, for `best` also clear of its cut (of
-      LR and RL the interval alone decides); or there is provably no path, and none was returned.
-      Of a word's few paths the interval holds the shortest, so that its cut says nothing.
-      Of a route, and of a leg with a final heading, the interval alone decides too.
+      the targets within delta, and the path is an extremal, for `best` also clear of its cut. A
+      single word has few paths and the interval holds the shortest, so the cut adds nothing. For
+      LR and RL, for a route, and for a leg with a final heading the interval alone decides. An
+      answer without a path is proved if provably none exists.
     * bounded: the solver's own lower bound is within the tolerance, and contradicts nothing.
     * extremal: an arriving path that satisfies Pontryagin's conditions.
     * none: none of these.
@@ -261,7 +264,10 @@ class Proof(StrEnum):
 
 
 def short_word(word: str, most: int = 60) -> str:
-    """A word of up to `most` characters; of a longer one the beginning and how much it has."""
+    """Word shortened to `most` characters.
+
+    A longer word keeps its beginning, with the number of its legs or letters.
+    """
     if len(word) <= most:
         return word
     shown = word[:most].rpartition(" ")[0] or word[:most]

@@ -1,1 +1,1 @@
-"""Judges and certifies an answer from its controls alone."""
+"""Judge and certify an answer from its controls."""

@@ -1,13 +1,15 @@
-"""Proven intervals around the shortest length of one leg, in interval arithmetic.
+"""Enclose the shortest length of one leg.
 
-The data are known to delta (`study.body_coordinates.Local`, `study.closed_form.pose.Leg`). So a
-question stands for all targets whose X and Y, or all ends whose X, Y and heading in the start's
-frame, are within delta of the exact values that its doubles give, and its shortest length is a set
-of numbers: a few delta wide, and in parts where a turning circle, the edge of a word's reach or the
-axis passes through the targets. Every candidate word is evaluated in ball arithmetic (Arb, through
-python-flint) on all of them, by formulas other than those of `closed_form`, and the least is taken.
-That one of the four words to a free heading is shortest is a theorem (docs/derivation.md, section
-11), and that one of the six to a given one is, Dubins'; nothing is assumed about which.
+The intervals are proven, in interval arithmetic. The data are known to delta
+(`study.body_coordinates.Local`, `study.closed_form.pose.Leg`). So a question stands for all targets
+whose X and Y, or all ends whose X, Y and heading in the start's frame, are within delta of the
+exact values that its doubles give. Its shortest length is a set of numbers: a few delta wide, and
+in parts where a turning circle, the edge of a word's reach or the axis passes through the targets.
+
+Every candidate word is evaluated in ball arithmetic (Arb, through python-flint) on all targets, by
+formulas other than those of `closed_form`, and the least is taken. It is a theorem that one of the
+four words to a free heading is shortest (docs/derivation.md, section 11). That one of the six to a
+given heading is shortest is Dubins' theorem. Nothing is assumed about which.
 """
 
 from __future__ import annotations
@@ -24,13 +26,16 @@ from dubins_study.study.body_coordinates import PER_DISTANCE, PER_EXTENT
 from dubins_study.study.closed_form.pose import PER_HEADINGS, WORDS6
 from dubins_study.study.scenario import Pose, Scenario
 
-# 53 of the doubles, as many for what their differences lose, and some to spare beside delta
+# 53 bits for the doubles, 53 for the digits lost in differences, the rest to be well below delta
 _BITS = 160
 Part = tuple[float, float]
 
 
 class Enclosure(NamedTuple):
-    """A proven interval around a branch's shortest lengths (length unit)."""
+    """Proven interval around a branch's shortest lengths.
+
+    Lengths are in the length unit.
+    """
 
     low: float
     high: float  # both ends are infinite where provably no target has a path
@@ -42,9 +47,10 @@ class Enclosure(NamedTuple):
         return math.isfinite(self.high)
 
     def nearest(self, length: float, tolerance: float = 0.0) -> float | None:
-        """The largest of the lengths that is not above `length`; the least if all are above.
+        """Largest of the lengths not above `length`.
 
-        A part that begins within the tolerance above `length` counts as not above it.
+        It is the least of them if all are above. A part that begins within the tolerance above
+        `length` counts as not above it. None if there are no parts.
         """
         if not self.parts:
             return None
@@ -53,7 +59,7 @@ class Enclosure(NamedTuple):
         return max(low, min(high, length))
 
     def highest(self, arriving: float | None) -> float:
-        """The length above which a lower bound is false.
+        """Length above which a lower bound is false.
 
         Where some of the targets may have no path, no bound lies above all of their lengths. There
         a path that arrives, with the length `arriving`, contradicts a bound above it.
@@ -63,13 +69,16 @@ class Enclosure(NamedTuple):
         return math.inf if arriving is None else max(self.high, arriving)
 
     def holds(self, length: float, tolerance: float) -> bool:
-        """Whether a length is within the tolerance of a part."""
+        """Whether a part holds a length, within tolerance."""
         return any(low - tolerance <= length <= high + tolerance for low, high in self.parts)
 
 
 @lru_cache(maxsize=16384)  # the cells of a run ask each question often, in shuffled order
 def enclose(scenario: Scenario, branch: str = "best") -> Enclosure:
-    """Enclose the shortest lengths of a branch over all targets within delta."""
+    """Enclose a branch's shortest lengths.
+
+    All targets within delta count.
+    """
     with ctx.workprec(_BITS):
         X, Y = _targets(scenario)
         if branch == "best":
@@ -79,7 +88,10 @@ def enclose(scenario: Scenario, branch: str = "best") -> Enclosure:
 
 
 class _Way(NamedTuple):
-    """The way from a start to an end, in radii and in the start's frame, and its data's size."""
+    """Way from a start to an end.
+
+    It is in radii, also in the start's frame, with the size of its data.
+    """
 
     x: arb
     y: arb
@@ -97,7 +109,10 @@ def _way(start: Pose, x: float, y: float, radius: float) -> _Way:
 
 
 def _targets(scenario: Scenario) -> tuple[arb, arb]:
-    """X and Y of the scenario's targets, as balls of radius delta."""
+    """X and Y of all targets, as balls.
+
+    The radius of a ball is delta.
+    """
     assert scenario.target is not None
     way = _way(scenario.start, *scenario.target, scenario.radius)
     delta = PER_EXTENT * way.extent + PER_DISTANCE * (abs(way.X) + abs(way.Y))
@@ -106,7 +121,10 @@ def _targets(scenario: Scenario) -> tuple[arb, arb]:
 
 
 def _outwards(parts: Iterable[arb], absent: bool, radius: float) -> Enclosure:
-    """The parts as doubles rounded outwards, those that overlap made one."""
+    """Parts as doubles rounded outwards.
+
+    Overlapping parts are merged.
+    """
     merged: list[Part] = []
     R = arb(radius)
     for low, high in sorted(_doubles(part * R) for part in parts):
@@ -120,13 +138,19 @@ def _outwards(parts: Iterable[arb], absent: bool, radius: float) -> Enclosure:
 
 
 def _doubles(ball: arb) -> Part:
-    """The ends of a ball as doubles; conversion rounds to nearest, which one step covers."""
+    """Ends of a ball as doubles.
+
+    Conversion rounds to nearest, which one step outwards covers.
+    """
     low, high = float(ball.lower()), float(ball.upper())
     return max(0.0, math.nextafter(low, -math.inf)), math.nextafter(high, math.inf)
 
 
 def _best(X: arb, y: arb) -> list[arb]:
-    """Lengths of the shortest paths of all, for y = |Y|, since the mirror image is as long."""
+    """Lengths of the shortest paths of all.
+
+    y is |Y|, since the mirror image is as long.
+    """
     parts: list[arb] = []
     w = _power(X, y)
     right_straight = _tangents(X, -y, _power(X, -y), ahead_of_axis=False)  # exists everywhere
@@ -142,7 +166,10 @@ def _best(X: arb, y: arb) -> list[arb]:
 
 
 def _left_straight(X: arb, Y: arb) -> tuple[list[arb], bool]:
-    """Lengths of LS, and whether some of the targets have none."""
+    """Lengths of LS.
+
+    The flag says whether some of the targets have none.
+    """
     w = _power(X, Y)
     if w > 0:
         return [], True
@@ -152,7 +179,10 @@ def _left_straight(X: arb, Y: arb) -> tuple[list[arb], bool]:
 
 
 def _right_left(X: arb, Y: arb) -> tuple[list[arb], bool]:
-    """Lengths of RL, the shorter of both solutions, and whether some of the targets have none."""
+    """Lengths of RL, the shorter of both solutions.
+
+    The flag says whether some of the targets have none.
+    """
     p, q = _reach(X, Y)
     if p < 0 or q < 0:
         return [], True
@@ -165,17 +195,20 @@ def _right_left(X: arb, Y: arb) -> tuple[list[arb], bool]:
     return parts, not (p >= 0 and q >= 0)
 
 
-# Each solution of a word is a list of options: of every target, one of them holds the length. There
-# are two where the targets lie on both sides of a jump.
+# Each solution of a word is a list of options. For every target, one of them holds the length.
+# There are two options where the targets lie on both sides of a jump.
 
 
 def _ceiling_of(solutions: Iterable[list[arb]]) -> arb:
-    """A bound on the least of some solutions that all targets have."""
+    """Upper bound of the least of some solutions.
+
+    All targets have these solutions.
+    """
     return min(max(option.upper() for option in options) for options in solutions)
 
 
 def _below(ceiling: arb, options: Iterable[arb]) -> list[arb]:
-    """The options without what lies above the ceiling."""
+    """Options without their parts above the ceiling."""
     kept = [option for option in options if not option > ceiling]
     return [
         option.lower().union(ceiling) if option.upper() > ceiling else option for option in kept
@@ -183,32 +216,37 @@ def _below(ceiling: arb, options: Iterable[arb]) -> list[arb]:
 
 
 def _power(X: arb, Y: arb) -> arb:
-    """w = 1 - |T - C_L|^2."""
+    """Power w = 1 - |T - C_L|^2."""
     x, y = X.mid(), Y.mid()
     return y * (2 - y) - x * x + _spread(X.rad(), x) + _spread(Y.rad(), 1 - y)
 
 
 def _reach(X: arb, Y: arb) -> tuple[arb, arb]:
-    """|T - C_R|^2 - 1 and 9 - |T - C_R|^2, between whose zeros RL exists."""
+    """Two numbers, not negative where RL exists.
+
+    They are |T - C_R|^2 - 1 and 9 - |T - C_R|^2.
+    """
     x, y = X.mid(), Y.mid()
     p = y * (y + 2) + x * x + _spread(X.rad(), x) + _spread(Y.rad(), 1 + y)
     return p, 8 - p
 
 
 def _spread(rad: arb, value: arb) -> arb:
-    """How much the square of a value changes when the value does by up to `rad`.
+    """Change of a square.
 
-    Balls that meet in a product count as independent: 2Y - Y^2 would spread twice as far.
+    The value may change by up to `rad`. Balls that meet in a product count as independent: 2Y - Y^2
+    would spread twice as far.
     """
     most = rad * (2 * abs(value) + rad)
     return most.union(-most)
 
 
 def _tangents(X: arb, Y: arb, w: arb, ahead_of_axis: bool) -> list[arb]:
-    """LS of the targets outside the left disc, on one side of the axis: Y >= 0, or Y < 0.
+    """LS of targets outside the left disc.
 
-    T seen from C_L lies s along and 1 across the direction of arrival, so that the arc is T's polar
-    angle there less atan(s): the length is the angle plus s - atan(s), which grows with s.
+    The targets are on one side of the axis: Y >= 0, or Y < 0. T seen from C_L lies s along and 1
+    across the direction of arrival, so that the arc is T's polar angle there less atan(s). The
+    length is the angle plus s - atan(s), which grows with s.
     """
     s = (-w).nonnegative_part().sqrt()
     low, high = s.lower(), s.upper()
@@ -223,13 +261,14 @@ def _tangents(X: arb, Y: arb, w: arb, ahead_of_axis: bool) -> list[arb]:
 
 
 def right_left_solutions(X: arb, Y: arb, inside: bool) -> tuple[list[arb], list[arb]]:
-    """RL of the targets inside or outside the left disc: second arc above pi, and below.
+    """RL of targets inside or outside the left disc.
 
-    In the triangle of C_R, the second circle's centre and T, with sides 2, 1 and d = |T - C_R|, the
-    angle at the second centre exceeds the one at C_R by an angle that goes like p^(3/2). The
-    lengths are T's bearing from C_R plus it, or a full turn less it, and whole turns that make the
-    first arc positive (docs/derivation.md, section 11). The first arc vanishes on the left circle:
-    the two have opposite signs inside it, and the sign of X outside (eq. 5).
+    The lengths with the second arc above pi come first, then those with it below. In the triangle
+    of C_R, the second circle's centre and T, with sides 2, 1 and d = |T - C_R|, the angle at the
+    second centre exceeds the one at C_R by an angle that goes like p^(3/2). The lengths are T's
+    bearing from C_R plus it, or a full turn less it, and whole turns that make the first arc
+    positive (docs/derivation.md, section 11). The first arc vanishes on the left circle. The two
+    solutions have opposite signs inside it, and the sign of X outside (eq. 5).
     """
     p, q = _reach(X, Y)
     if p < 0 or q < 0:
@@ -251,7 +290,11 @@ def right_left_solutions(X: arb, Y: arb, inside: bool) -> tuple[list[arb], list[
 
 
 def _turns(angle: arb, positive: bool | None) -> list[int]:
-    """How many turns bring an angle to [0, 2 pi); next to zero it has the sign that is given."""
+    """Turns that bring an angle to [0, 2 pi).
+
+    There are several numbers where the ball allows them. Next to zero the angle has the sign that
+    is given.
+    """
     parts = angle / (2 * arb.pi())
     nearest = round(float(parts.mid()))
     rest = parts - nearest
@@ -271,7 +314,10 @@ def _turns(angle: arb, positive: bool | None) -> list[int]:
 
 
 class _Ends(NamedTuple):
-    """The ends in the start's frame, as balls: X, Y, heading, its sine and cosine."""
+    """Ends in the start's frame, as balls.
+
+    X, Y, heading, its sine and cosine.
+    """
 
     X: arb
     Y: arb
@@ -285,10 +331,13 @@ class _Ends(NamedTuple):
 
 
 class _Signs(NamedTuple):
-    """On which side of each edge an end lies: whether the function is not negative.
+    """Sides of the edges on which an end lies.
 
-    The sides of the end's circles from the start's line, those of the start's circles from the
-    end's line, |E - C|^2 - 4 for the circles of LSR and RSL, 16 - |E - C|^2 for those of LRL, RLR.
+    A flag says whether the edge's function is not negative. The functions are:
+
+    * the sides of the end's circles from the start's line, and of the start's from the end's line;
+    * |E - C|^2 - 4 for the circles of LSR and RSL;
+    * 16 - |E - C|^2 for the circles of LRL and RLR.
     """
 
     start_left: bool
@@ -302,7 +351,10 @@ class _Signs(NamedTuple):
 
     @property
     def mirrored(self) -> _Signs:
-        """The signs of the mirror image: circles change their names, sides their signs."""
+        """Signs of the mirror image.
+
+        Circles change their names, sides their signs.
+        """
         return _Signs(
             *(not self.start_right, not self.start_left, not self.end_right, not self.end_left),
             *(self.reach_rsl, self.reach_lsr, self.reach_rlr, self.reach_lrl),
@@ -310,18 +362,22 @@ class _Signs(NamedTuple):
 
     @property
     def possible(self) -> bool:
-        """The left circle's function is below the right one's, by 2 (1 - cos)."""
+        """Whether an end can have these signs.
+
+        The left circle's function is below the right one's, by 2 (1 - cos).
+        """
         return self.start_right >= self.start_left and self.end_right >= self.end_left
 
 
 @lru_cache(maxsize=16384)
 def enclose_pose(start: Pose, end: Pose, radius: float, branch: str = "best") -> Enclosure:
-    """Enclose the shortest lengths of a branch, `best` or one of `WORDS6`, over all ends.
+    """Enclose the shortest lengths to a given heading.
 
-    They are divided by the signs of eight functions, of whose zeros all edges of the six words
-    consist. Most signs are the same for all ends. For each combination of the others every word
-    exists or does not, and its arcs are whole turns or nothing; so the least of its lengths can be
-    taken (docs/derivation.md, section 15).
+    A branch is `best` or one of `WORDS6`; all ends within delta count. The ends are divided by the
+    signs of eight functions. All edges of the six words consist of zeros of these functions. Most
+    signs are the same for all ends. For each combination of the others every word exists or does
+    not, and its arcs are whole turns or nothing. So the least of its lengths can be taken
+    (docs/derivation.md, section 15).
     """
     with ctx.workprec(_BITS):
         ends = _ends(start, end, radius)
@@ -344,7 +400,7 @@ def _ends(start: Pose, end: Pose, radius: float) -> _Ends:
     way = _way(start, end.x, end.y, radius)
     delta = PER_EXTENT * way.extent + PER_DISTANCE * (abs(way.x) + abs(way.y)) + PER_HEADINGS
     blur = delta.union(-delta)
-    # whole turns are told from the doubles' angle: of a heading of 1e20 they take many more digits
+    # whole turns come from the angle of the doubles; a heading of 1e20 needs many more digits
     with ctx.workprec(_BITS + max(0, math.frexp(end.heading - start.heading)[1])):
         turn = arb(end.heading) - arb(start.heading)
         turn -= 2 * arb.pi() * (turn / (2 * arb.pi())).mid().floor()
@@ -353,7 +409,7 @@ def _ends(start: Pose, end: Pose, radius: float) -> _Ends:
 
 
 def _cells(ends: _Ends) -> Iterator[_Signs]:
-    """The combinations of signs that some of the ends may have."""
+    """Combinations of signs that ends may have."""
     X, Y, _, s, c = ends
     across, versine = X * s - Y * c, 1 - c
     functions = (
@@ -370,12 +426,15 @@ def _square(x: arb, y: arb) -> arb:
 
 
 def _lengths(word: str, ends: _Ends, signs: _Signs) -> list[arb]:
-    """The lengths of a word, of which one is the end's; none where it does not exist."""
+    """Lengths of a word.
+
+    One of them is the end's; there are none where the word does not exist.
+    """
     if word in ("RSR", "RSL", "RLR"):
         ends, signs = ends.mirrored, signs.mirrored
         word = {"RSR": "LSL", "RSL": "LSR", "RLR": "LRL"}[word]
     X, Y, turn, s, c = ends
-    # how far S leads forward, seen from both ends, or the chord of the middle arc's centres
+    # forward extent of S, seen from both ends, or of the chord of the middle arc's centres
     forward = X * c + Y * s - s
     if word == "LSR":
         if not signs.reach_lsr:
@@ -403,10 +462,12 @@ def _lengths(word: str, ends: _Ends, signs: _Signs) -> list[arb]:
 
 
 def _nearly_one_arc(ends: _Ends) -> Iterator[arb]:
-    """Lengths of paths S L S and R S L S R that all ends have: next to one arc above pi, as long.
+    """Lengths of paths next to a single arc.
 
-    Signs do not tell there that no word but the arc and a full turn is longer. The outer arcs e
-    make the middle one more than half a turn where the arc is just that.
+    The arc is above pi. The paths are S L S and R S L S R, are as long as the arc, and exist for
+    all ends. Some combinations of signs, which no end has, would leave a full turn more as the
+    least length (docs/derivation.md, section 15). The outer arcs e make the middle one more than
+    half a turn where the arc is just half a turn.
     """
     X, Y, turn, s, c = ends
     full = 2 * arb.pi()
@@ -421,20 +482,29 @@ def _nearly_one_arc(ends: _Ends) -> Iterator[arb]:
 
 
 def _direction(x: arb, y: arb) -> arb:
-    """An angle of (x, y), whatever its turns; any angle where that may be the origin."""
+    """Angle of (x, y), up to whole turns.
+
+    It is any angle where (x, y) may be the origin.
+    """
     if not (x < 0 or x > 0 or y < 0 or y > 0):
         return arb(0, 4)
     return arb.atan2(y, x) if x.mid() >= 0 else arb.pi() + arb.atan2(-y, -x)
 
 
 def _excess(p: arb) -> arb:
-    """p - 2 atan(p / 2), which grows with p: little where p is little."""
+    """p - 2 atan(p / 2).
+
+    It grows with p, and its spread is little where p is little.
+    """
     low, high = p.lower(), p.upper()
     return (low - 2 * (low / 2).atan()).union(high - 2 * (high / 2).atan())
 
 
 def _quarter_arcsine(d: arb) -> arb:
-    """asin(d / 4), which grows with d, of the distances that are at most 4."""
+    """asin(d / 4), which grows with d.
+
+    Only distances that are at most 4 count.
+    """
     low, high = d.lower(), d.upper()
     return (low / 4).asin().union((high / 4).asin() if high < 4 else arb.pi() / 2)
 
@@ -442,7 +512,10 @@ def _quarter_arcsine(d: arb) -> arb:
 def _with_turns(
     length: arb, arcs: arb, first: arb, left: bool | None, last: arb, right: bool | None
 ) -> list[arb]:
-    """The length and the turns that bring both outer arcs, of sum `arcs`, to [0, 2 pi)."""
+    """Lengths with outer arcs in [0, 2 pi).
+
+    Whole turns are added to `length` for that. The sum of both outer arcs is `arcs`.
+    """
     turn = 2 * arb.pi()
     turns = {m + n for m in _turns(first, left) for n in _turns(last, right)}
     possible = [m for m in sorted(turns) if not (arcs + m * turn < 0 or arcs + m * turn > 2 * turn)]

@@ -1,16 +1,17 @@
-"""Pontryagin's conditions and the cut, checked from a path's controls alone.
+"""Check Pontryagin's conditions and the cut.
 
-In the paper's convention (2.3)-(2.15): H = nu0 + nu1 cos theta + nu2 sin theta + nu3 u is
-minimised and zero, with u the curvature in units of 1 / radius and positions in radii. The paper
-leaves out nu0 >= 0, (nu0, nu) not all zero, and nu3 = 0 at the free final heading. On an
-extremal all of
+A path's controls alone decide. In the paper's convention (2.3)-(2.15), H = nu0 + nu1 cos theta +
+nu2 sin theta + nu3 u is minimised and zero, with u the curvature in units of 1 / radius and
+positions in radii. The paper leaves out nu0 >= 0, (nu0, nu) not all zero, and nu3 = 0 at the free
+final heading. On an extremal all of
 
     H = 0 on every piece,    nu3 = 0 on every straight,    nu3 = 0 at the end
 
 are linear in (nu0, nu1, nu2, nu3 at the end): nu3 = nu1 (y - y_end) - nu2 (x - x_end) + constant.
-So the costates are the null vector of a small matrix, and how far a path is from being an
-extremal is how far that matrix is from having one (docs/derivation.md, section 9). The words S, C,
-CS and CC at full rate have them in closed form (`two_arcs.costates`), which is ten times as quick.
+So the costates are the null vector of a small matrix. The distance of a path from being an extremal
+is the distance of that matrix from having a null vector (docs/derivation.md, section 9). The words
+S, C, CS and CC at full rate have their costates in closed form (`two_arcs.costates`), which is ten
+times as quick.
 """
 
 from __future__ import annotations
@@ -46,10 +47,11 @@ Row = tuple[float, float, float, float]
 
 
 class Extremal(NamedTuple):
-    """What Pontryagin's conditions say of a path; columns of `study.rows.schema.Certificate`.
+    """Findings of Pontryagin's conditions on a path.
 
-    Residuals are for costates scaled to max(nu0, |(nu1, nu2)|) = 1, and nu3 is divided by the
-    path's length in radii where that exceeds 1, so that they are errors of angles.
+    They are columns of `study.rows.schema.Certificate`. Residuals are for costates scaled to
+    max(nu0, |(nu1, nu2)|) = 1, and nu3 is divided by the path's length in radii where that exceeds
+    1, so that they are errors of angles.
     """
 
     costate_x: float  # nu1, nu2 at the end, in the world frame; nu0 = 1, or norm 1 if abnormal
@@ -58,7 +60,7 @@ class Extremal(NamedTuple):
     hamiltonian: float  # max |H| over the path
     sign_margin: float  # least -u nu3 over the turning pieces; below 0 a turn goes the wrong way
     transversality: float | None  # |nu3| at the end; None where a final heading is given
-    pmp_residual: float  # the worst of all violations, those of nu3 = 0 on straights included
+    pmp_residual: float  # worst of all violations, also those of nu3 = 0 on straights
 
     @property
     def nu(self) -> tuple[float, float]:
@@ -66,13 +68,16 @@ class Extremal(NamedTuple):
 
 
 def measure(path: Path, radius: float, free: bool = True) -> tuple[Extremal | None, float | None]:
-    """The costates of a path of one leg that can be driven, and the cut margin if `free`.
+    """Costates of a one-leg path, and its cut margin.
 
-    `free` says whether the final heading is. The cut margin says by how much (rad) a path stays
-    clear of where another one becomes shorter. A path with a margin above zero is shortest to its
-    own end point, and only such a path is (docs/derivation.md, section 10). None of a path that is
-    not of a word S, C, CS or CC at full rate, which no shortest path can be. Neither of a path
-    whose numbers overflow in units of the radius, which fits no scenario.
+    The path is one that can be driven; `free` says whether its final heading is. The cut margin is
+    measured if `free`. It says by how much (rad) a path stays clear of where another one becomes
+    shorter. A path with a margin above zero is shortest to its own end point, and only such a path
+    is (docs/derivation.md, section 10).
+
+    The margin is None if the path is not of a word S, C, CS or CC at full rate, which no shortest
+    path can be. Both are None for a path whose numbers overflow in units of the radius, which fits
+    no scenario.
     """
     rates = [k * radius for k in path.curvatures.tolist()]
     lengths = [length / radius for length in path.lengths.tolist()]
@@ -84,7 +89,7 @@ def measure(path: Path, radius: float, free: bool = True) -> tuple[Extremal | No
     if not rates:
         return None, math.pi if free else None
     word = _word(rates, lengths, free)
-    if word is None and free:  # of a short path a turn of next to nothing may count as straight
+    if word is None and free:  # in a short path, a tiny turn may count as straight
         word = _word(*driven, free)
     if word is None:
         return extremal(path.start.heading, rates, lengths, free), None
@@ -95,14 +100,15 @@ def measure(path: Path, radius: float, free: bool = True) -> tuple[Extremal | No
 
 
 def _word(u: list[float], length: list[float], free: bool) -> Word | None:
-    """Rates and lengths of S, C, CS or CC at full rate, of CSC or CCC if the heading is given.
+    """Rates and lengths of a path's word.
 
-    None if pieces are another path.
+    The word is S, C, CS or CC at full rate, or CSC or CCC if the heading is given. None if the
+    pieces are another path.
     """
     rates = [nearest_rate(k) for k in u]
     total = sum(length)
     off = [abs(k - rate) for k, rate in zip(u, rates, strict=True)]
-    # how far the end lies off what is driven at full rates
+    # distance of the end from the end of the path at full rates
     moved = sum(map(mul, off, length)) * total
     if max(off) > FULL_RATE or moved > allowed_miss(ARRIVES, 1.0, 0.0, total):
         return None
@@ -120,13 +126,15 @@ def _word(u: list[float], length: list[float], free: bool) -> Word | None:
 
 
 def pieces(rate: list[float], length: list[float]) -> tuple[list[float], list[float]]:
-    """Rates and lengths (radii) of the pieces of a path that matter, or of all of them.
+    """Rates and lengths (radii) of the pieces that matter.
 
-    Rates within `FULL_RATE` of +1, 0 or -1 are these, neighbours of one rate are joined, what turns
-    by less than `NO_TURN` is straight, and a straight shorter than `NO_LENGTH` is left out: solvers
-    return such arcs where they mean none. Small things add up, and far away a small turn is a long
-    way: if that merged path ends elsewhere or is shorter than the driven one by more than the check
-    allows, it is another path, and the driven one's own pieces stand.
+    Rates within `FULL_RATE` of +1, 0 or -1 are these, and neighbours of one rate are joined. A
+    piece that turns by less than `NO_TURN` is straight, and a straight shorter than `NO_LENGTH` is
+    left out: solvers return such arcs where they mean none.
+
+    Small things add up, and far away a small turn is a long way. If that merged path ends elsewhere
+    or is shorter than the driven one by more than the check allows, it is another path. Then the
+    driven one's own pieces are returned.
     """
     if _apart(rate, length):
         return rate, length
@@ -149,7 +157,10 @@ def _merged(rate: FloatArray, scaled: FloatArray) -> tuple[FloatArray, FloatArra
 
 
 def _is_same(merged: tuple[FloatArray, FloatArray], driven: tuple[FloatArray, FloatArray]) -> bool:
-    """Whether a merged path is the driven one, its end and its length compared."""
+    """Whether a merged path is the driven one.
+
+    Their ends and their lengths are compared.
+    """
     before = float(driven[1].sum())
     allowed = allowed_miss(ARRIVES, 1.0, 0.0, before)
     if not abs(before - float(merged[1].sum())) <= allowed:
@@ -160,12 +171,13 @@ def _is_same(merged: tuple[FloatArray, FloatArray], driven: tuple[FloatArray, Fl
 
 
 def _apart(u: list[float], length: list[float]) -> bool:
-    """Whether every piece turns or is a straight that matters, and no neighbours are of one rate.
+    """Whether no pieces need to be merged.
 
-    True of most paths of few pieces, which then need no further work.
+    Every piece turns or is a straight that matters, and no neighbours are of one rate. That is true
+    of most paths of few pieces, which then need no further work.
     """
     least = NO_LENGTH * min(1.0, sum(length))
-    # first what a path cut into many steps fails at once
+    # first a test that a path cut into many steps fails at once
     return all(abs(a - b) > FULL_RATE for a, b in pairwise(u)) and all(
         abs(k) * s > NO_TURN if abs(k) > FULL_RATE else k == 0 and s > least
         for k, s in zip(u, length, strict=True)
@@ -173,7 +185,7 @@ def _apart(u: list[float], length: list[float]) -> bool:
 
 
 def _joined(u: FloatArray, length: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Neighbours of one rate made one."""
+    """Merge neighbours of one rate."""
     if u.size < 2:
         return u, length
     first = np.concatenate(([0], 1 + np.flatnonzero(np.abs(u[1:] - u[:-1]) > FULL_RATE)))
@@ -184,10 +196,10 @@ def _joined(u: FloatArray, length: FloatArray) -> tuple[FloatArray, FloatArray]:
 def extremal(
     heading: float, u: list[float], length: list[float], free: bool = True
 ) -> Extremal | None:
-    """The costates that fit a path best, and how well; None where the conditions overflow.
+    """Costates that fit a path best, with residuals.
 
-    The path starts with a heading (rad) and has pieces of rates u and lengths (radii); `free` says
-    whether its final heading is.
+    None where the conditions overflow. The path starts with a heading (rad) and has pieces of rates
+    u and lengths (radii); `free` says whether its final heading is.
     """
     # in the frame of the start, where angles are small; the costates are turned back at the end
     asked = conditions(u, length, _ORIGIN)
@@ -200,7 +212,8 @@ def extremal(
     null_vector = np.linalg.svd(matrix, full_matrices=False)[2][-1].tolist()
     size = max(abs(null_vector[0]), math.hypot(null_vector[1], null_vector[2]))
     if not size > 0:
-        return None  # a path so long that nu3 alone violates them least: those are no costates
+        # the path is so long that nu3 alone violates the conditions least; those are no costates
+        return None
     null_vector = [c / size for c in null_vector]
     abnormal = abs(null_vector[0]) < ABNORMAL
     signs = (1.0, -1.0) if abnormal else (math.copysign(1.0, null_vector[0]),)
@@ -226,20 +239,26 @@ def extremal(
 
 
 class Conditions(NamedTuple):
-    """The conditions on the costates of a path, linear in nu0, nu1, nu2 and nu3 at its end."""
+    """Conditions on the costates of a path.
+
+    They are linear in nu0, nu1, nu2 and nu3 at its end.
+    """
 
     hamiltonian: list[Row]  # H on every piece
     straight: list[Row]  # nu3 at the ends of straights, divided by `stretch`
     arcs: list[tuple[float, float]]  # headings (rad) at the ends of the turns
     stretch: float  # the path's length, or 1 (radii)
-    ends: list[Row]  # nu3 at a free end, and what fixes the end of a single arc
+    ends: list[Row]  # nu3 at a free end, and the condition that fixes the end of a single arc
     start: Row  # nu3 at the start
 
 
 def conditions(u: list[float], length: list[float], start: Pose) -> Conditions | None:
-    """The conditions of n pieces of rates u; None where they are lost in rounding or overflow."""
+    """Conditions of n pieces of rates u.
+
+    None where they are lost in rounding or overflow.
+    """
     driven = np.array(length)
-    # a straight that bends is looked at in its middle too: nu3 may vanish at both its ends alone
+    # a straight that bends has a condition in its middle too: nu3 may vanish at its two ends only
     halves = np.array([2 if k != 0 and abs(k) < 1 - FULL_RATE else 1 for k in u], np.intp)
     rates = np.repeat(u, halves)
     poses = corners(start, rates, np.repeat(driven / halves, halves)).tolist()
@@ -263,11 +282,11 @@ def conditions(u: list[float], length: list[float], start: Pose) -> Conditions |
     arcs = [(a, b) for k, (_, _, a), (_, _, b) in turns if k != 0]
     ends = [nu3[-1]]
     if len(pieces) == 1 and not straight[0]:
-        # a single arc has a family of costates; the one of a straight of no length after it
+        # a single arc has a family of costates; choose the one of a straight of no length after it
         ends.append((0.0, -math.sin(end), math.cos(end), 0.0))
     return Conditions(hamiltonian, still, arcs, stretch, ends, nu3[0])
 
 
 def largest(rows: list[Row], nu: list[float]) -> float:
-    """The worst violation of some conditions."""
+    """Worst violation of some conditions."""
     return max((abs(sum(map(mul, row, nu))) for row in rows), default=0.0)

@@ -1,10 +1,11 @@
-"""Pontryagin's conditions of a route: those of its legs, which its via points join.
+"""Pontryagin's conditions of a route.
 
-At a via point nu1 and nu2 may jump; nu3 does not, nor H, which is zero on every leg. With nu0 = 1
-all conditions on nu1 and nu2 of each leg and on nu3 at its end are linear, but for the signs of nu3
-on arcs, which are so for each heading on them. A leg of three segments has one solution, a leg of
-fewer may have many, of which its neighbours choose. So the costates are those whose worst violation
-of all conditions is least: a linear program (docs/derivation.md, section 9).
+They are those of its legs, which its via points join. At a via point nu1 and nu2 may jump. nu3 does
+not, nor H, which is zero on every leg. With nu0 = 1 all conditions on nu1 and nu2 of each leg and
+on nu3 at its end are linear. Only the signs of nu3 on arcs are not, but they are linear for each
+heading on an arc. A leg of three segments has one solution. A leg of fewer may have many, and its
+neighbours choose among them. So the costates are those whose worst violation of all conditions is
+least: a linear program (docs/derivation.md, section 9).
 """
 
 from __future__ import annotations
@@ -32,22 +33,23 @@ from dubins_study.study.check.visits import cut_out
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Pose
 
-_BESIDE = 1e-5  # radii; what is shorter between a via point and the end of a piece is nothing
+_BESIDE = 1e-5  # radii; a shorter piece between a via point and the end of a piece counts as none
 _EXACT = 1e-10  # the least tolerance that HiGHS takes
-_EXTREMAL = 1e-7  # a residual up to which nu3 is not let jump
+_EXTREMAL = 1e-7  # a residual up to which nu3 may not jump
 _TOLERANCES = ("primal_feasibility_tolerance", "dual_feasibility_tolerance")
 _STOPPED = 1  # status of `linprog` at a limit
-_CUTS = 20  # rounds of adding headings at which the sign on an arc is asked for
+_CUTS = 20  # rounds of adding headings at which an arc has a sign condition
 
 
 def route_extremal(
     path: Path, at: Sequence[float], radius: float, free: bool, until: float = math.inf
 ) -> Extremal | None:
-    """The costates that fit a route best, those of its last leg, and how well all of them do.
+    """Costates that fit a route best, with residuals.
 
-    The path is one that can be driven, `at` has the arc lengths of its via points, and `free` says
-    whether its final heading is. None where the conditions overflow, or where they are not solved
-    by the time `until` of `perf_counter`.
+    The costates are those of its last leg, the residuals of all legs. The path is one that can be
+    driven, `at` has the arc lengths of its via points, and `free` says whether its final heading
+    is. None where the conditions overflow, or where they are not solved by the time `until` of
+    `perf_counter`.
     """
     legs = [leg for leg in route_legs(path, at, radius) if leg is not None]
     if len(legs) <= len(at):
@@ -60,10 +62,11 @@ def route_extremal(
 
 
 def _jumps(legs: Sequence[Conditions], free: bool) -> tuple[int, ...]:
-    """The legs before which nu3 may jump: where a chain of single arcs from a given heading ends.
+    """Legs before which nu3 may jump.
 
-    A single arc to a point on the turning circle of a given heading is shorter than all paths of
-    other headings there by up to a turn. So that heading is as good as given.
+    They are where a chain of single arcs from a given heading ends. A single arc to a point on the
+    turning circle of a given heading is shorter than all paths of other headings there by up to a
+    turn. So that heading is as good as given.
     """
     arcs = [len(leg.hamiltonian) == len(leg.arcs) == 1 for leg in legs]
     first = list(takewhile(lambda i: arcs[i - 1], range(1, len(legs))))
@@ -74,7 +77,7 @@ def _jumps(legs: Sequence[Conditions], free: bool) -> tuple[int, ...]:
 def _measured(
     legs: Sequence[Conditions], free: bool, heading: float, jumps: Sequence[int], until: float
 ) -> Extremal | None:
-    """How well the costates that fit best do."""
+    """Residuals of the costates that fit best."""
     fitted = route_costates(legs, free, jumps, until)
     if fitted is None:
         return None
@@ -96,7 +99,10 @@ def _measured(
 
 
 def route_legs(path: Path, at: Sequence[float], radius: float) -> Iterator[Conditions | None]:
-    """The conditions of each leg, seen from where it begins, in the frame of the path's start."""
+    """Conditions of each leg.
+
+    They are seen from where the leg begins, in the frame of the path's start.
+    """
     rate, ends = path.curvatures * radius, np.concatenate(([0.0], np.cumsum(path.lengths))) / radius
     turned = 0.0
     cuts = np.array([0.0, *at, ends[-1] * radius]) / radius
@@ -115,10 +121,11 @@ def route_legs(path: Path, at: Sequence[float], radius: float) -> Iterator[Condi
 def route_costates(
     legs: Sequence[Conditions], free: bool, jumps: Sequence[int] = (), until: float = math.inf
 ) -> FloatArray | None:
-    """nu1 and nu2 of each leg and nu3 at its end, shape (n, 3), in the frame of the path's start.
+    """Costates of each leg, shape (n, 3).
 
-    nu3 may jump before the legs `jumps`. None if the linear programs cannot be solved, or are not
-    by the time `until`.
+    nu1 and nu2 of the leg, and nu3 at its end, in the frame of the path's start. nu3 may jump
+    before the legs `jumps`. None if the linear programs cannot be solved, or are not by the time
+    `until`.
     """
     equations, constants = _equations(legs, free, jumps)
     n = equations.shape[1]
@@ -156,8 +163,11 @@ def route_costates(
 def _equations(
     legs: Sequence[Conditions], free: bool, jumps: Sequence[int]
 ) -> tuple[coo_array, FloatArray]:
-    """What is zero on an extremal: a matrix times the costates, and constants."""
-    # leg, constant, and factors of nu3 at the end of the leg before and of nu1, nu2, nu3 of the leg
+    """Equations that hold on an extremal.
+
+    A matrix times the costates, plus constants, is zero.
+    """
+    # leg, constant, factors: of nu3 at the end of the leg before, and of the leg's nu1, nu2, nu3
     rows: list[tuple[int, float, tuple[float, ...]]] = []
     for i, leg in enumerate(legs):
         rows += [(i, one, (0.0, *nu)) for one, *nu in (*leg.hamiltonian, *leg.straight)]
@@ -171,14 +181,21 @@ def _equations(
 
 
 def _signs(headings: Sequence[tuple[int, float]], n: int) -> coo_array:
-    """What is at least -1 on an extremal: (nu1, nu2) along headings (rad) on arcs of legs."""
+    """Matrix of the sign conditions on arcs.
+
+    On an extremal its product with the costates is at least -1: (nu1, nu2) along headings (rad) on
+    arcs of legs.
+    """
     rows = [(math.cos(heading), math.sin(heading)) for _, heading in headings]
     columns = np.array([3 * i for i, _ in headings], np.intp)[:, None] + np.arange(2)
     return _matrix(rows, columns, n)
 
 
 def _matrix(rows: Sequence[tuple[float, ...]], columns: IntArray, n: int) -> coo_array:
-    """A sparse matrix of n columns from the numbers in some columns of each row."""
+    """Sparse matrix of n columns.
+
+    Each row has numbers in some columns.
+    """
     numbers = np.array(rows, np.float64).reshape(columns.shape)
     at = np.repeat(np.arange(len(rows)), columns.shape[1]), np.maximum(columns, 0).ravel()
     return coo_array((numbers.ravel(), at), shape=(len(rows), n))

@@ -1,4 +1,7 @@
-"""The costates and the cut of a path of a shortest word, in closed form."""
+"""Costates and cut of a shortest word.
+
+Both are in closed form.
+"""
 
 from __future__ import annotations
 
@@ -7,31 +10,32 @@ from itertools import pairwise
 
 from dubins_study.study.angle import TWO_PI
 
-# how far from +1, -1 or 0 a rate may be and still name a letter
+# largest distance from +1, -1 or 0 of a rate that names a letter
 FULL_RATE = 1e-9
-# A certificate is read from the pieces that matter (docs/derivation.md, section 9): an arc that
-# turns by less than this (rad) is straight,
+# Pieces that matter for a certificate (docs/derivation.md, section 9).
+# rad; an arc that turns by less is straight
 NO_TURN = 1e-6
-# and a straight shorter than this (radii, or share of a path shorter than a radius) is left out.
+# radii, or share of a path shorter than a radius; a shorter straight is left out
 NO_LENGTH = 1e-6
-# a costate nu0 below this share of (nu1, nu2) is none: the extremal is abnormal
+# a costate nu0 below this share of (nu1, nu2) counts as 0: the extremal is abnormal
 ABNORMAL = 1e-9
 
 
-# rate +1, 0 or -1 and length (radii) of a piece; and the pieces of a path, (0, 0) for what it lacks
+# A piece: rate +1, 0 or -1 and length (radii). A word has three pieces; a missing one is (0, 0).
 Piece = tuple[float, float]
 Word = tuple[Piece, Piece, Piece]
 
 
 def nearest_rate(u: float) -> float:
-    """The rate +1, 0 or -1 that a rate is nearest to."""
+    """Nearest of the rates +1, 0 and -1."""
     return math.copysign(1.0, u) if abs(u) > 0.5 else 0.0
 
 
 def cut_margin(word: Word) -> float:
-    """By how much (rad) a path S, C, CS or CC stays clear of where another one becomes shorter.
+    """Cut margin (rad) of a path.
 
-    The final heading is free (docs/derivation.md, section 10).
+    The path is S, C, CS or CC with a free final heading. The margin says by how much it stays clear
+    of where another path becomes shorter (docs/derivation.md, section 10).
     """
     (turn1, first), (turn2, second), _ = word
     if turn2 != 0.0:
@@ -41,12 +45,13 @@ def cut_margin(word: Word) -> float:
 
 
 def costates(heading: float, word: Word) -> tuple[float, float, bool, float, float]:
-    """The costates of a path in closed form, and how well they satisfy Pontryagin's conditions.
+    """Costates of a path, in closed form.
 
-    Of S, C, CS and CC they are those of a free final heading, where nu3 is 0; of CSC and CCC those
-    of a given one. Where S vanishes there are many: then those of CSC are taken, which satisfy the
-    conditions whatever the arcs (docs/derivation.md, section 9). They have nu3 = 0 at both ends of
-    the second piece; what is measured comes from positions and headings, not from the word.
+    The residuals say how well they satisfy Pontryagin's conditions. For S, C, CS and CC they are
+    those of a free final heading, where nu3 is 0; for CSC and CCC those of a given one. Where S
+    vanishes there are many. Then those of CSC are taken, which satisfy the conditions whatever the
+    arcs (docs/derivation.md, section 9). They have nu3 = 0 at both ends of the second piece. The
+    residuals are measured from positions and headings, not from the word.
 
     Args:
         heading: of the start (rad).
@@ -85,7 +90,7 @@ def costates(heading: float, word: Word) -> tuple[float, float, bool, float, flo
     inflected = abs(last_nu3) / max(1.0, first + second + third)
     worst = max(max(abs(H1), abs(H2)), max(abs(H3), inflected))
     size = rho if abnormal else rho / nu0
-    # turned by the heading apart: added to a heading of many turns, phi would lose its digits
+    # turn by the heading separately: added to a heading of many turns, phi would lose its digits
     c, s = math.cos(heading), math.sin(heading)
     x, y = size * (c * along - s * across), size * (s * along + c * across)
     return x, y, abnormal, worst, margin
@@ -99,14 +104,15 @@ def _displacement(turn: float, length: float, heading: float) -> tuple[float, fl
 
 
 def sign_margin(nu: list[float], arcs: list[tuple[float, float]]) -> float:
-    """Least nu0 + nu1 cos + nu2 sin over the turning pieces, which is -u nu3 where H = 0.
+    """Least -u nu3 over the turning pieces.
 
-    `arcs` are the headings (rad) at their ends.
+    It is the least nu0 + nu1 cos + nu2 sin, which is -u nu3 where H = 0. `arcs` are the headings
+    (rad) at the ends of the pieces.
     """
     if not arcs:
         return 0.0
     nu0, nu1, nu2, _ = nu
-    # least at the heading opposite to (nu1, nu2) if an arc passes through it, or at an end
+    # the least is at the heading opposite to (nu1, nu2) if an arc passes through it, or at an end
     opposite = math.atan2(-nu2, -nu1)
     nearest = -1.0
     for before, after in arcs:

@@ -1,4 +1,7 @@
-"""What a path does at the points of its scenario, its word, and what may be claimed of it."""
+"""Measure a path at the points of its scenario.
+
+It also names the path's word, and says which claims about it are false.
+"""
 
 from __future__ import annotations
 
@@ -17,25 +20,25 @@ from dubins_study.study.tolerances import HEADED, Tolerances, allowed_miss, arri
 from dubins_study.study.words import TURN, Claim, Order, Verdict
 
 ROUNDED = 8 * EPS  # relative error of two lengths that ought to be equal
-# A longer path of another word is coarse up to here; near a circle's rear, words turn by nearly the
-# same angle and differ by more than any discretisation of use.
+# Largest gap at which a longer path of another word counts as coarse. Near a circle's rear, words
+# turn by nearly the same angle, and their lengths differ by more than a useful discretisation does.
 COARSE = 0.05
 # A run of arcs that turns by less than this (rad) is straight; a straight shorter than this share
 # of the path is left out.
 WORD = 1e-6
-# A path cut into many steps has a step that straddles the switch and a ripple after it, which fades
-# within a few steps; runs that turn by less than this (rad) name nothing. A path of up to three
-# arcs is named as it is.
+# A path cut into many steps has a step across the switch and a ripple after it, which fades within
+# a few steps. Runs that turn by less than this (rad) have no letter. A path of up to three arcs is
+# named without this limit.
 DISCRETISED_WORD = 0.05
-# radians that a turn of another basin differs by, at least
+# rad; least difference between the net turns of two basins
 _ANOTHER_TURN = 1.0
 
 
 def visited(scenario: Scenario, visits: Visits, end: Pose) -> Scenario:
-    """The scenario whose points are those that a path visits on its way to its end.
+    """Scenario of the points that a path visits.
 
-    Points that are one for a path are one point of that scenario. What is closed still ends as it
-    starts.
+    If it has a target, that is the path's end. Points that the path visits at one place are one
+    point of that scenario. A closed scenario still ends as it starts.
     """
     stops = []
     for i, pose in zip(visits.order, visits.poses, strict=True):
@@ -52,7 +55,7 @@ def visited(scenario: Scenario, visits: Visits, end: Pose) -> Scenario:
     if scenario.order is Order.FREE:
         way = list({stop[:2]: stop for stop in way}.values())
     moved["via"] = tuple(way[1:-1] if "target_x" in moved else way[1:])
-    if scenario.target is None and not moved["via"]:  # all are passed where the path starts
+    if scenario.target is None and not moved["via"]:  # the path visits all points where it starts
         moved |= {"target_x": scenario.x, "target_y": scenario.y}
     there = copy(scenario)  # the end may lie beyond what a scenario may ask for
     for name, value in moved.items():
@@ -61,24 +64,31 @@ def visited(scenario: Scenario, visits: Visits, end: Pose) -> Scenario:
 
 
 def path_word_of(path: Path) -> str:
-    """The word of a path that can be driven, however many arcs it is cut into."""
+    """Word of a path that can be driven.
+
+    The path may be cut into any number of arcs.
+    """
     return path.word(WORD if path.lengths.size <= 3 else DISCRETISED_WORD)
 
 
 def is_wrong_basin(
     path: Path, word: str, gap: float, words: Sequence[str], turns: Sequence[float]
 ) -> bool:
-    """Whether a longer path is another local optimum than those of some words and net turns."""
+    """Whether a longer path is another local optimum.
+
+    It is compared with the optima of some words and net turns.
+    """
     another_word, turn = gap > COARSE and word not in words, path.turn
     return another_word or all(abs(turn - best) > _ANOTHER_TURN for best in turns)
 
 
 def curvature_excess(curvature: Sequence[float], branch: str) -> float:
-    """Largest amount by which curvatures leave what a branch allows, in units of 1 / radius.
+    """Largest excess of curvatures over a branch's range.
 
-    `best` allows [-1, 1]; `LS` [0, 1] and `RS` [-1, 0], since where the word exists no path of
-    one-sided turning is shorter (docs/derivation.md, section 8); any other word allows only +1, 0
-    and -1 of its letters, in their order. Arcs of no length are left out of `curvature`.
+    Curvatures and the excess are in units of 1 / radius. `best` allows [-1, 1]; `LS` [0, 1] and
+    `RS` [-1, 0], since where the word exists no path of one-sided turning is shorter
+    (docs/derivation.md, section 8); any other word allows only +1, 0 and -1 of its letters, in
+    their order. Arcs of no length are left out of `curvature`.
     """
     if not curvature:
         return 0.0
@@ -88,7 +98,7 @@ def curvature_excess(curvature: Sequence[float], branch: str) -> float:
         side = 1 if branch[0] == "L" else -1
         first = [side * u for u in curvature]
         return max(0.0, max(first) - 1.0, -min(first))
-    # the least excess of the arcs up to here, the last of which is driven by each letter
+    # for each letter: least excess of the arcs so far, if it drives the last of them
     letters = [TURN[letter] for letter in branch]
     excess = [0.0] * len(letters)
     for u in curvature:
@@ -100,18 +110,20 @@ def curvature_excess(curvature: Sequence[float], branch: str) -> float:
 
 
 class Seen(NamedTuple):
-    """What a path does at the points of its scenario."""
+    """Measurements of a path at its scenario's points."""
 
     visits: Visits
     end: Pose
     miss: float  # the largest distance from a point, the target among them (length unit)
-    turned: float  # the largest angle from a heading that is given at a point (rad)
+    turned: float  # the largest angle from a given heading at a point (rad)
     excess: float
     arrives: bool
 
 
 def visits_of(scenario: Scenario, path: Path, allowed: float) -> Visits:
-    """The earliest visit of each via point; where their order is given, after the one before.
+    """Earliest visit of each via point.
+
+    Where the order is given, each visit comes after the one before.
 
     Args:
         allowed: how near the path has to come (length unit).
@@ -121,7 +133,10 @@ def visits_of(scenario: Scenario, path: Path, allowed: float) -> Visits:
 
 
 def seen_of(scenario: Scenario, path: Path, branch: str, tolerances: Tolerances) -> Seen:
-    """What a path that can be driven does at the points of a scenario."""
+    """Measure a path at the points of its scenario.
+
+    The path is one that can be driven.
+    """
     radius, extent, length, end = scenario.radius, scenario.extent, path.length, path.end
     pieces = zip(path.curvatures.tolist(), path.lengths.tolist(), strict=True)
     excess = curvature_excess([k * radius for k, s in pieces if s > 0], branch)
@@ -138,7 +153,10 @@ def seen_of(scenario: Scenario, path: Path, branch: str, tolerances: Tolerances)
 
 
 def words_of(path: Path, at: Sequence[float], radius: float) -> str:
-    """The words of a path's legs, which end at the arc lengths `at`, with spaces between."""
+    """Words of a path's legs, with spaces between.
+
+    The legs end at the arc lengths `at`.
+    """
     return " ".join(map(path_word_of, legs(path, at, radius)))
 
 

@@ -1,11 +1,13 @@
-"""Where a path visits points, in a given order or in any, from its arcs and straights alone.
+"""Find where a path visits points.
 
-A point (x, y) seen from the start of a piece of curvature k >= 0, mirrored if the piece turns to
-the right, lies g = (k (x^2 + y^2) - 2 y) / (1 + D) from the piece's circle or line, where
-D = hypot(k x, 1 - k y) is the distance from the centre times k. The piece passes it after
-atan2(k x, 1 - k y) / k, and d farther along their distance is the root of
-g^2 + D (2 sin(k d / 2) / k)^2. None of it cancels as k goes to 0, where it is a straight's
-(docs/derivation.md, section 17).
+The points have a given order or any. Only the path's arcs and straights are used.
+
+A point (x, y) is seen from the start of a piece of curvature k >= 0, mirrored if the piece turns to
+the right. It lies g = (k (x^2 + y^2) - 2 y) / (1 + D) from the piece's circle or line, where D =
+hypot(k x, 1 - k y) is the distance from the centre times k. The piece passes it after atan2(k x, 1
+- k y) / k, and d farther along their distance is the root of g^2 + D (2 sin(k d / 2) / k)^2. None
+of these formulas cancels as k goes to 0, where the piece is a straight (docs/derivation.md, section
+17).
 """
 
 from __future__ import annotations
@@ -23,21 +25,21 @@ from dubins_study.study.scenario import Pose, Stop
 from dubins_study.study.tolerances import DRIVEN, HEADED
 
 _STRAIGHT = 1e-100  # a curvature times radius that no coordinate can tell from 0
-# radii, or of a leg shorter than one its share: what is shorter at the ends of a leg is its
-# neighbour's, cut off beside the point
+# radii, or share of a leg shorter than a radius. A shorter piece at the end of a leg belongs to its
+# neighbour and was cut off beside the point.
 CUT = 1e-5
-_PIECES_AT_ONCE = 32  # a visit is nearly always among the next few; where not, all are looked at
+_PIECES_AT_ONCE = 32  # a visit is nearly always in the next few pieces; otherwise all are searched
 
 
 class Visits(NamedTuple):
-    """How a path visits points.
+    """Visits of a path to points.
 
     Args:
         at: arc lengths (length unit) at which it is nearest to each, not decreasing.
-        poses: where it is there, and its heading (rad, not wrapped).
+        poses: the position of each visit, and the heading there (rad, not wrapped).
         order: the places of the points in the scenario, in the order of their visits.
-        miss: the largest distance by which it misses a point (length unit), 0 without points. Of
-            what comes after a point that is not visited, it is the least distance on the way left.
+        miss: the largest distance by which it misses a point (length unit), 0 without points. After
+            a point that is not visited, it is the least distance on the rest of the path.
         turned: the largest angle by which it misses a heading that is given there (rad).
     """
 
@@ -51,7 +53,9 @@ class Visits(NamedTuple):
 def visits(
     path: Path, via: Sequence[Stop], radius: float, allowed: float, any_order: bool = False
 ) -> Visits:
-    """Follow a path from point to point: the earliest visit of each, after the one before.
+    """Follow a path from point to point.
+
+    The earliest visit of each point counts, after the one before.
 
     Args:
         path: one that can be driven.
@@ -81,7 +85,9 @@ def visits(
 
 
 def off_heading(given: float | None, heading: float, driven: float) -> float:
-    """By how much a heading misses what is given (rad), rounding apart; 0 where it is free.
+    """Error of a heading (rad), less its rounding.
+
+    It is 0 where the heading is free.
 
     Args:
         driven: how far (radii) it was driven, over which headings are rounded.
@@ -93,7 +99,7 @@ def off_heading(given: float | None, heading: float, driven: float) -> float:
 
 
 class _Pieces:
-    """The pieces of a path in units of the radius."""
+    """Pieces of a path, in units of the radius."""
 
     def __init__(self, path: Path, radius: float) -> None:
         self.radius = radius
@@ -107,12 +113,14 @@ class _Pieces:
         self.last = Pose(*poses[-1])
 
     def visit(self, stop: Stop, at: float, allowed: float) -> tuple[float, float, float]:
-        """The first visit of a point after the arc length `at`, with its heading if one is given.
+        """First visit of a point after an arc length.
+
+        The arc length is `at`. If the point has a heading, the visit has it too.
 
         Returns:
             Where the path first is within the allowed distance, where it then is nearest, and how
             near. If it never is within, the last two are of its least distance after `at`, and the
-            first is as the second.
+            first equals the second.
         """
         x, y, given = stop
         if not self.length.size:
@@ -124,7 +132,7 @@ class _Pieces:
             passings = []
             for first in np.flatnonzero(~np.isnan(within)).tolist():
                 last = first
-                # still coming nearer at the end of a piece
+                # the path still comes nearer at the end of a piece
                 while begin + last + 1 < end and nearest[last] >= self.length[begin + last]:
                     if distance[last + 1] > distance[last]:
                         break
@@ -145,18 +153,22 @@ class _Pieces:
         return reached, reached, float(distance[i])
 
     def _fits(self, given: float, piece: int, along: float) -> bool:
-        """Whether a piece has a heading so far along it."""
+        """Whether a piece has a heading at a place.
+
+        The place is given by its distance along the piece.
+        """
         heading = self.heading[piece] + self.side[piece] * self.k[piece] * along
         return off_heading(given, float(heading), float(self.ends[-1])) <= HEADED
 
-    @np.errstate(all="ignore")  # what overflows is no visit
+    @np.errstate(all="ignore")  # an overflow is no visit
     def _passing(
         self, those: slice, x: float, y: float, at: float, allowed: float
     ) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Where each piece passes a point from the arc length `at` on, seen from its start.
+        """Where each piece passes a point.
 
-        That is where it first is within the allowed distance, NaN if nowhere; where it then is
-        nearest or, if it never is within, at all; and how near.
+        Places from the arc length `at` on count, measured from the piece's start. Returns where it
+        first is within the allowed distance, NaN if nowhere; where it then is nearest; and how
+        near. If it never is within, the last two are of its least distance.
         """
         k, length, cos, sin = (a[those] for a in (self.k, self.length, self.cos, self.sin))
         dx, dy = (x - self.x[those]) / self.radius, (y - self.y[those]) / self.radius
@@ -187,7 +199,9 @@ class _Pieces:
 
 
 def cut_out(ends: FloatArray, begin: float, end: float) -> tuple[slice, FloatArray]:
-    """The pieces of a path between two arc lengths, and how much of each lies between them.
+    """Pieces of a path between two arc lengths.
+
+    The length of each between them is returned too.
 
     Args:
         ends: of n pieces, shape (n + 1,); the first is 0.
@@ -198,7 +212,10 @@ def cut_out(ends: FloatArray, begin: float, end: float) -> tuple[slice, FloatArr
 
 
 def legs(path: Path, at: Sequence[float], radius: float) -> Iterator[Path]:
-    """A path cut at arc lengths into its legs, without the pieces that are next to nothing."""
+    """Legs of a path cut at arc lengths.
+
+    Pieces of almost no length are left out.
+    """
     starts = path.at(np.array([0.0, *at])).tolist()
     ends = np.concatenate(([0.0], np.cumsum(path.lengths)))
     cuts = [0.0, *at, float(ends[-1])]

@@ -1,1 +1,4 @@
-"""The exact shortest path of every word and of all words, for one scenario or a frame."""
+"""Exact shortest path of each word and of all.
+
+It is computed for one scenario or a frame.
+"""

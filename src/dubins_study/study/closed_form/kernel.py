@@ -1,9 +1,9 @@
-"""The closed form over arrays: `study.closed_form.shortest` for millions of targets at once.
+"""Closed form over arrays, for millions of targets.
 
-Strict IEEE arithmetic and the formulas of `study.closed_form.shortest`. Sine, cosine and arctangent
-are computed here, so that lengths differ from its lengths by up to 4 EPS max(length, R). Rows where
-the last ulp decides the word, or would move the length by more, are done with its own functions and
-the C library's, and are equal to the bit.
+The formulas are those of `study.closed_form.shortest`, in strict IEEE arithmetic. Sine, cosine and
+arctangent are computed here, so that lengths differ from its lengths by up to 4 EPS max(length, R).
+Some rows are computed with the functions of that module and of the C library instead, and are equal
+to the bit. They are those where the last ulp decides the word, or would move the length by more.
 """
 
 from __future__ import annotations
@@ -43,7 +43,10 @@ NO_PATH = 255  # the word code of a row whose branch has no path
 
 
 class ScenarioArrays(NamedTuple):
-    """n scenarios: arrays of shape (n,), units as in `study.scenario.Scenario`."""
+    """n scenarios as arrays of shape (n,).
+
+    Units are those of `study.scenario.Scenario`.
+    """
 
     x: FloatArray
     y: FloatArray
@@ -54,7 +57,7 @@ class ScenarioArrays(NamedTuple):
 
 
 class Rows(NamedTuple):
-    """The shortest paths of n rows, lengths in the length unit."""
+    """Shortest paths of n rows (length unit)."""
 
     length: FloatArray  # NaN where the branch has no path; shape (n,)
     segments: FloatArray  # 0 for a letter left out; shape (m, n)
@@ -66,11 +69,11 @@ class Rows(NamedTuple):
         return cls(np.empty(n), np.empty((segments, n)), np.empty(n, np.uint8))
 
 
-Index = int | np.uint64  # unsigned, where the compiler should know that none counts from the end
+Index = int | np.uint64  # unsigned where the compiler should know that no index counts from the end
 CHUNK = 512  # rows; what a chunk reads and writes stays in the first-level cache
 LARGEST = np.finfo(np.float64).max
-# Below this w, and inside the disc below this q, a row is delicate. At that q the length
-# changes by 3.4 per shift of the target; of 4e7 rows beyond it none was off by 3.6 EPS or more.
+# A row is delicate below this w, and inside the disc below this q. At that q the length changes by
+# 3.4 per shift of the target. Of 4e7 rows beyond it none was off by 3.6 EPS or more.
 _NEAR = 1e-5
 _STEEP = 0.7
 # delta is at most 2 + 12 sqrt(2) EPS times the coordinates' size in radii
@@ -80,7 +83,10 @@ _FOUR_DELTA = 80.0 * EPS
 def prepared(
     columns: Iterable[ArrayLike], segments: int, out: Rows | None
 ) -> tuple[list[FloatArray], Rows]:
-    """The columns as loops read them, and the rows to write to: new ones if `out` is None."""
+    """Columns as loops read them, and output rows.
+
+    The rows are new ones if `out` is None.
+    """
     arrays = [loop_input(column) for column in columns]
     n = arrays[0].size
     rows = Rows.empty(segments, n) if out is None else out
@@ -92,15 +98,17 @@ def prepared(
 
 
 def shortest_rows(*columns: ArrayLike, branch: str = "best", out: Rows | None = None) -> Rows:
-    """The shortest path of every row, as `study.closed_form.shortest.shortest` finds it.
+    """Shortest path of every row.
+
+    It is the path of `study.closed_form.shortest.shortest`.
 
     Args:
         columns: those of `ScenarioArrays`, in their order, shape (n,).
         branch: `best`, or a word: `LS`, `RS`, `LR`, `RL`.
         out: arrays to write to (C-contiguous, not overlapping the input); new ones if None.
 
-    Words are indices into `WORDS`. Nothing is checked but shapes: a row with NaN yields NaN, and
-    one whose radius is not positive means nothing.
+    Words are indices into `WORDS`. Only shapes are checked: a row with NaN yields NaN, and one
+    whose radius is not positive means nothing.
     """
     arrays, rows = prepared(columns, 2, out)
     scenarios = ScenarioArrays(*arrays)
@@ -118,7 +126,10 @@ def shortest_rows(*columns: ArrayLike, branch: str = "best", out: Rows | None = 
 def to_local_exactly(
     x: float, y: float, heading: float, tx: float, ty: float, radius: float
 ) -> tuple[float, float, float]:
-    """`body_coordinates.local` to the bit, for every heading and radius: libm and divisions."""
+    """`body_coordinates.local` to the bit.
+
+    It holds for every heading and radius, by libm and divisions.
+    """
     dx, dy = tx - x, ty - y
     sine, cosine = math.sin(heading), math.cos(heading)
     X, Y = (dx * cosine + dy * sine) / radius, (dy * cosine - dx * sine) / radius
@@ -134,9 +145,10 @@ _best_segments, _chosen_side = inlined(best_segments), inlined(chosen_side)
 def _exactly(
     i: Index, best: bool, arcs: bool, right: bool, scenarios: ScenarioArrays, rows: Rows
 ) -> None:
-    """Row i by the scalar functions and libm: the shortest of all if `best`, else of one word.
+    """Compute row i by the scalar functions and libm.
 
-    That is LS, or RL if `arcs`; mirrored, RS or LR, if `right`.
+    The path is the shortest of all if `best`, else that of one word. The word is LS, or RL if
+    `arcs`; mirrored, RS or LR, if `right`.
     """
     x, y, heading, tx, ty, radius = scenarios
     R = radius[i]
@@ -162,7 +174,10 @@ def _word_rows(scenarios: ScenarioArrays, arcs: bool, right: bool, rows: Rows) -
 
 @inlined
 def _word(a: float, b: float, arcs: bool, right: bool) -> int:
-    """The code of a word in `WORDS`, letters without length left out."""
+    """Code of a word in `WORDS`.
+
+    Letters without length are left out.
+    """
     # the second letter of RL and LR is the first one's opposite
     start_right = right != arcs
     if a > 0.0 and b > 0.0:
@@ -178,7 +193,9 @@ def _word(a: float, b: float, arcs: bool, right: bool) -> int:
 def to_local(
     x: float, y: float, sine: float, cosine: float, tx: float, ty: float, radius: float
 ) -> tuple[float, float, float]:
-    """The target in the vehicle's frame, as `body_coordinates.local` has it, and at least 4 delta.
+    """Target in the vehicle's frame, and 4 delta.
+
+    The coordinates are those of `body_coordinates.local`. The last number is at least 4 delta.
 
     A quotient by the reciprocal, then one Newton step with the remainder, is the quotient rounded
     correctly (Markstein 1990): two divisions fewer, and the same bits.
@@ -196,16 +213,17 @@ def to_local(
 
 @inlined
 def _best(X: float, y: float, right: int) -> tuple[float, float, int, float]:
-    """`best_segments` with the word's code, and how far from an edge the target is.
+    """`best_segments` with the word and the edge distance.
 
-    Where that is not above 4 delta the row is delicate: two evaluations of X, Y and w differ by
-    less than delta, and may take different sides of the edge. So near (0, 2) that the last ulp
-    counts too much it is below zero: inside the disc the length changes by 1 / sqrt(q / 8) per
-    shift of the target (docs/derivation.md, section 9).
+    The word is given by its code; the last number is the target's distance from an edge. Where that
+    is not above 4 delta the row is delicate: two evaluations of X, Y and w differ by less than
+    delta, and may take different sides of the edge. The distance is below zero so near (0, 2) that
+    the last ulp counts too much: inside the disc the length changes by 1 / sqrt(q / 8) per shift of
+    the target (docs/derivation.md, section 9).
 
-    Outside the disc LS needs one arctangent, inside it RL needs two; the arguments of the first
-    are selected before it is taken. sqrt(p q) is the D of `shortest.right_left_pair`, and the
-    second arc is 2 pi - 2 atan(sqrt(p / q)) = 2 pi - atan2(D, (q - p) / 2), with p + q = 8.
+    Outside the disc LS needs one arctangent, inside it RL needs two; the arguments of the first are
+    selected before it is taken. sqrt(p q) is the D of `shortest.right_left_pair`, and the second
+    arc is 2 pi - 2 atan(sqrt(p / q)) = 2 pi - atan2(D, (q - p) / 2), with p + q = 8.
     """
     xx = X * X
     w = y * (2.0 - y) - xx
@@ -234,20 +252,23 @@ def _best(X: float, y: float, right: int) -> tuple[float, float, int, float]:
 
 @inlined
 def chunk_from(begin: int, end: int) -> tuple[np.uint64, np.uint64]:
-    """The first row of a chunk, and the row after its last, of those before `end`.
+    """First row of a chunk, and its end.
 
-    Unsigned, so that the compiler knows that no index counts from the end.
+    The end is the row after its last, and at most `end`. Both are unsigned, so that the compiler
+    knows that no index counts from the end.
     """
     return np.uint64(begin), np.uint64(min(begin + CHUNK, end))
 
 
 @inlined
 def _best_chunk(low: Index, high: Index, scenarios: ScenarioArrays, rows: Rows) -> int:
-    """One chunk of rows in two loops, each small enough for the vector registers.
+    """Compute one chunk of rows in two loops.
 
-    Between them the target in the vehicle's frame lies in the output arrays. Returns how many
-    rows are left: those of a huge heading, and those without a finite length. That count does a
-    second service: LLVM interleaves two vectors only in loops that have a reduction.
+    Each loop is small enough for the vector registers. Between them the target in the vehicle's
+    frame lies in the output arrays.
+
+    Returns how many rows are left: those of a huge heading, and those without a finite length. The
+    count has a second use: LLVM interleaves two vectors only in loops that have a reduction.
     """
     x, y, heading, tx, ty, radius = scenarios
     length, segments, word = rows
@@ -285,7 +306,7 @@ def _best_rows(begin: int, end: int, scenarios: ScenarioArrays, rows: Rows) -> N
                     _exactly(i, True, False, False, scenarios, rows)
 
 
-# the rates of each word's first and last letter, and that there is no third, nor any of no word
+# Rates of each word's first and last letter. NaN for the third letter, and for the empty word.
 RATES = np.full((len(WORDS), 3), math.nan)
 RATES[1:, :2] = [(TURN[word[0]], TURN[word[-1]]) for word in WORDS[1:]]
 
@@ -298,7 +319,7 @@ def flatten(
     flat_curvature: FloatArray,
     flat_length: FloatArray,
 ) -> None:
-    """The arcs that have a length, path after path.
+    """Write the arcs with a length, path after path.
 
     Args:
         curvature, length: controls of n paths of at most m arcs, shape (m, n).
@@ -309,7 +330,7 @@ def flatten(
     offsets[0] = 0
     for i in range(curvature.shape[1]):
         for arc in range(curvature.shape[0]):
-            # written in any case and overwritten if it does not count: quicker than a branch
+            # always written, and overwritten if it does not count: quicker than a branch
             flat_curvature[place] = curvature[arc, i]
             flat_length[place] = length[arc, i]
             place += length[arc, i] != 0.0

@@ -1,6 +1,7 @@
-"""How loops over rows are compiled, kept between sessions and run in threads.
+"""Compile loops over rows.
 
-Strict IEEE arithmetic, no `fastmath`; a division by zero is an infinity, as in NumPy.
+It also keeps them between sessions and runs them in threads. Arithmetic is strict IEEE, without
+`fastmath`; a division by zero is an infinity, as in NumPy.
 """
 
 from __future__ import annotations
@@ -25,14 +26,14 @@ from dubins_study.study.arrays import FloatArray
 _PACKAGE = __package__.split(".")[0]
 SMALL = 32768  # rows; below, starting a thread costs more than it saves
 PIECE = 4096  # rows: a thread gets a multiple of this
-PIECES = 4  # a thread, so that all end at nearly the same time
+PIECES = 4  # pieces a thread, so that all threads end at nearly the same time
 
 Function = TypeVar("Function", bound=Callable[..., Any])
-Loop = Callable[..., Any]  # over arrays that callers unpack: no checker could count them
+Loop = Callable[..., Any]  # takes arrays that callers unpack, which no type checker can count
 
 
-# What is compiled, by the package or module that it is in, and about how many seconds that takes.
-# It is said on stderr before the first loop that no cache holds: silence looks like a fault.
+# Compiled parts by package or module, and about how many seconds each takes to compile. A warning
+# on stderr says so before the first loop that no cache holds: silence looks like a fault.
 _PARTS = {
     "study.route": ("the search for routes", 15),
     "study.closed_form.pose_kernel": ("the loops over legs with a final heading", 15),
@@ -41,11 +42,11 @@ _PARTS = {
 
 
 class _Announcement(event.Listener):
-    """Logs a warning before the loops of a part are compiled."""
+    """Logs a warning before a part's loops are compiled."""
 
     def __init__(self) -> None:
         self.announced: set[str] = set()
-        self.depth = 0  # a loop's callees are compiled while it is
+        self.depth = 0  # a loop's callees are compiled during its own compilation
 
     def on_start(self, compiling: event.Event) -> None:
         self.depth += 1
@@ -78,10 +79,10 @@ _SOURCES = hashlib.sha256(b"".join(file.read_bytes() for file in _FILES)).hexdig
 
 
 def loop_input(values: ArrayLike) -> FloatArray:
-    """The values as every loop reads them: contiguous doubles in an array that is read-only.
+    """Values as every loop reads them.
 
-    Numba compiles a loop anew, for seconds, for every mix of writable, read-only and strided
-    arrays that it is called with.
+    They are contiguous doubles in a read-only array. Numba compiles a loop anew, for seconds, for
+    every mix of writable, read-only and strided arrays that it is called with.
     """
     array = np.ascontiguousarray(values, np.float64).view()
     array.flags.writeable = False
@@ -92,9 +93,10 @@ _callable: set[FunctionType] = set()
 
 
 def _with_callees(function: Function) -> Function:
-    """The function, after Numba was told to compile the plain functions that it calls by name.
+    """Register a function's plain callees with Numba.
 
-    They stay plain for Python, which runs them for one row without loading Numba.
+    Numba compiles the plain functions that it calls by name. They stay plain for Python, which runs
+    them for one row without loading Numba. The function itself is returned.
     """
     named = map(function.__globals__.get, function.__code__.co_names)
     for called in {value for value in named if isinstance(value, FunctionType)} - _callable:
@@ -105,20 +107,26 @@ def _with_callees(function: Function) -> Function:
 
 
 def inlined(function: Function) -> Function:
-    """Compiled by Numba into its caller, so that the caller's loop can be vectorised."""
+    """Compile a function into its caller.
+
+    Numba does so, and the caller's loop can then be vectorised.
+    """
     compile_it = numba.njit(error_model="numpy", forceinline=True)
     return cast(Function, compile_it(_with_callees(function)))
 
 
 def separate(function: Function) -> Function:
-    """Compiled by Numba as a function of its own: for rows that a vector loop leaves."""
+    """Compile a function separately, by Numba.
+
+    It is for rows that a vector loop leaves.
+    """
     return cast(Function, numba.njit(error_model="numpy")(_with_callees(function)))
 
 
 def compiled(function: Loop) -> Loop:
-    """Compiled by Numba for one thread."""
-    # Numba's cache is keyed by this name and by the function's own file. What is inlined,
-    # and every constant, may come from another: without a digest of them a change would go unseen.
+    """Compile a loop by Numba, for one thread."""
+    # Numba's cache is keyed by this name and by the function's own file. Inlined functions and
+    # constants may come from other files: without a digest of them a change would go unseen.
     function.__qualname__ += f"_{_SOURCES}"
     options: dict[str, Any] = {"error_model": "numpy", "nogil": True}
     function = _with_callees(function)
@@ -129,11 +137,12 @@ def compiled(function: Loop) -> Loop:
 
 
 def threaded(function: Loop) -> Loop:
-    """Compiled by Numba for the rows from one to before another, which threads share.
+    """Compile a loop whose rows threads share.
 
-    The function's first arguments are these two rows; the first is a multiple of `PIECE`. Returns
-    the function of the number of rows and the other arguments. Threads of Python's own need no
-    second version of the loop, and a forked child may start them.
+    The function's first arguments are the first row and the row after the last; the first is a
+    multiple of `PIECE`. The function that is returned takes the number of rows and the other
+    arguments. Threads of Python's own need no second version of the loop, and a forked child may
+    start them.
     """
     loop = compiled(function)
 

@@ -1,7 +1,8 @@
-"""Sine, cosine and arctangent that LLVM can vectorise: polynomials and selects, no branch, no call.
+"""Sine, cosine and arctangent that LLVM can vectorise.
 
-Correct to about one ulp, in strict IEEE arithmetic; the fused multiply-add is asked for by name,
-so every machine gives the same bits (one without the instruction is slow, not different).
+They consist of polynomials and selects, without branches and calls. They are correct to about one
+ulp, in strict IEEE arithmetic. The fused multiply-add is asked for by name, so every machine gives
+the same bits (one without the instruction is slow, not different).
 
 The coefficients are Chebyshev interpolants found with mpmath at 40 digits,
 `chebyfit(f, [0, z_max], n)`, of (z = the argument squared)
@@ -56,8 +57,8 @@ _ARCTANGENT = (
     -0.3333333333333333,
 )
 
-# pi/2 and what its rounding left out: to 106 bits. One rounding in each fused step keeps the
-# reduced angle correct to an ulp of itself, and to 1e-22 where it is next to zero.
+# pi/2 to 106 bits, as a double and the rest. One rounding in each fused step keeps the reduced
+# angle correct to an ulp of itself, and to 1e-22 where it is next to zero.
 _HALF_PI = (math.pi / 2, 6.123233995736766e-17)
 LARGEST_ANGLE = 1.0e9  # rad
 _ROUNDER = 1.5 * 2.0**52  # adding it rounds to an integer
@@ -76,14 +77,17 @@ def _fma(typing_context: Any, a: Any, b: Any, c: Any) -> Any:
     return types.float64(types.float64, types.float64, types.float64), generate
 
 
-# Any, since what compiled code calls has not the arguments of the function that generates it
+# Any: the intrinsic has other arguments than the function that generates it
 _intrinsic: Any = intrinsic
 fma: Callable[[float, float, float], float] = _intrinsic(_fma)
 
 
 @inlined
 def _polynomial(coefficients: tuple[float, ...], z: float) -> float:
-    """... + c1 z + c0 by Horner's rule, rounded once a step; the highest power's c comes first."""
+    """Polynomial by Horner's rule, rounded once a step.
+
+    It is ... + c1 z + c0; the coefficient of the highest power comes first.
+    """
     value = 0.0
     for coefficient in coefficients:
         value = fma(value, z, coefficient)
@@ -92,9 +96,10 @@ def _polynomial(coefficients: tuple[float, ...], z: float) -> float:
 
 @inlined
 def reduced(angle: float) -> tuple[float, float]:
-    """An angle (rad) of at most `LARGEST_ANGLE` less the quarter turns nearest to it.
+    """Angle less its nearest quarter turns.
 
-    Returns the rest, in [-pi/4, pi/4], and the number of quarter turns.
+    The angle (rad) is at most `LARGEST_ANGLE`. Returns the rest, in [-pi/4, pi/4], and the number
+    of quarter turns.
     """
     quarters = fma(angle, _TWO_OVER_PI, _ROUNDER) - _ROUNDER
     rest = fma(quarters, -_HALF_PI[1], fma(quarters, -_HALF_PI[0], angle))
@@ -103,26 +108,32 @@ def reduced(angle: float) -> tuple[float, float]:
 
 @inlined
 def quarters_of_turn(quarters: float) -> float:
-    """A whole number of quarter turns without full turns: 0, 1, 2 or 3."""
+    """Quarter turns without full turns: 0 to 3."""
     full_turns: float = np.floor(0.25 * quarters)
     return quarters - 4.0 * full_turns
 
 
 @inlined
 def quarter_turns(number: float, rest: float) -> float:
-    """A small number of quarter turns and a rest, as one angle (rad)."""
+    """Angle (rad) of some quarter turns and a rest.
+
+    The number of quarter turns is small.
+    """
     return fma(number, _HALF_PI[0], fma(number, _HALF_PI[1], rest))
 
 
 @inlined
 def sine_cosine(angle: float) -> tuple[float, float]:
-    """Sine and cosine of an angle (rad) of at most `LARGEST_ANGLE`."""
+    """Sine and cosine of an angle (rad).
+
+    The angle is at most `LARGEST_ANGLE`.
+    """
     r, quarters = reduced(angle)
     z = r * r
     sine = fma(r * z, _polynomial(_SINE, z), r)
     half = 0.5 * z
     top = 1.0 - half
-    lost = (1.0 - top) - half  # by the rounding of 1 - z/2
+    lost = (1.0 - top) - half  # in the rounding of 1 - z/2
     cosine = top + fma(z * z, _polynomial(_COSINE, z), lost)
     quadrant = quarters_of_turn(quarters)
     odd = (quadrant == 1.0) | (quadrant == 3.0)
@@ -134,10 +145,11 @@ def sine_cosine(angle: float) -> tuple[float, float]:
 
 @inlined
 def upper_arctangent(y: float, x: float) -> float:
-    """atan2(y, x) for y >= 0: the angle of (x, y), from 0 to pi; 0 at the origin.
+    """atan2(y, x) for y that is not negative.
 
-    The slope is brought to [-tan(pi/8), tan(pi/8)] by turning (|x|, y) back by 0, pi/4 or pi/2,
-    which is done before the one division.
+    It is the angle of (x, y), from 0 to pi, and 0 at the origin. The slope is brought to
+    [-tan(pi/8), tan(pi/8)] by turning (|x|, y) back by 0, pi/4 or pi/2, which is done before the
+    one division.
     """
     a = abs(x)
     steep = y > _TAN_3PI_8 * a
@@ -149,7 +161,7 @@ def upper_arctangent(y: float, x: float) -> float:
     top = y if flat else top
     bottom = a if flat else bottom
     turned = 0.0 if flat else turned
-    t = top / max(bottom, 1e-300)  # 0 / 0 is wanted to be 0
+    t = top / max(bottom, 1e-300)  # 0 / 0 has to be 0
     z = t * t
     angle = turned + fma(t * z, _polynomial(_ARCTANGENT, z), t)
     other = _PI - angle
@@ -158,7 +170,10 @@ def upper_arctangent(y: float, x: float) -> float:
 
 @inlined
 def full_arctangent(y: float, x: float) -> float:
-    """The angle of (x, y), from 0 to 2 pi; 0 at the origin."""
+    """Angle of (x, y), from 0 to 2 pi.
+
+    It is 0 at the origin.
+    """
     angle = upper_arctangent(abs(y), x)
     other = TWO_PI - angle
     return other if y < 0.0 else angle

@@ -1,7 +1,8 @@
-"""The closed form of one leg with a given final heading: the six words, and the shortest of them.
+"""Closed form of a leg to a given heading.
 
-Everything is in units of the radius, with the start at the origin (docs/derivation.md, section 14).
-`study.closed_form.pose_kernel` does the same for arrays.
+It holds the six words, and the shortest of them. Everything is in units of the radius, with the
+start at the origin (docs/derivation.md, section 14). `study.closed_form.pose_kernel` does the same
+for arrays.
 """
 
 from __future__ import annotations
@@ -17,19 +18,20 @@ from dubins_study.study.scenario import Pose
 from dubins_study.study.words import POSE_BRANCHES
 
 WORDS6 = POSE_BRANCHES[1:]
-# What the rounding of both headings, of their sines and cosines and of the circles' centres does
-# to a pose beside what `body_coordinates` counts (docs/derivation.md, section 14).
+# Error of a pose beside that of `body_coordinates`: by the rounding of both headings, of their
+# sines and cosines, and of the circles' centres (docs/derivation.md, section 14).
 PER_HEADINGS = 16.0 * EPS
 
 _PI = math.pi
-_NEAR_ZERO = 1e-3  # rad; the sign of an angle below this is taken from coordinates, not from it
+_NEAR_ZERO = 1e-3  # rad; the sign of a smaller angle is taken from coordinates, not from the angle
 
 
 class Leg(NamedTuple):
-    """A question in units of the radius: the end at (x, y) from the start, headings a and b (rad).
+    """A question in units of the radius.
 
-    `delta` is the uncertainty of the data: every end whose two coordinates in the start's frame and
-    whose heading there are within delta of these stands for the same question.
+    The end is at (x, y) from the start; the headings are a and b (rad). `delta` is the uncertainty
+    of the data: every end whose two coordinates in the start's frame and whose heading there are
+    within delta of these stands for the same question.
     """
 
     x: float
@@ -40,7 +42,7 @@ class Leg(NamedTuple):
 
 
 def leg(start: Pose, end: Pose, radius: float) -> Leg:
-    """The leg between two poses (docs/derivation.md, eq. 12)."""
+    """Leg between two poses (docs/derivation.md, eq. 12)."""
     x, y = (end.x - start.x) / radius, (end.y - start.y) / radius
     extent = (abs(start.x) + abs(start.y) + abs(end.x) + abs(end.y)) / radius
     return Leg(x, y, start.heading, end.heading, pose_delta(extent, abs(x) + abs(y)))
@@ -51,14 +53,20 @@ def leg(start: Pose, end: Pose, radius: float) -> Leg:
 
 
 def pose_delta(extent: float, distance: float) -> float:
-    """The uncertainty of a leg: the four coordinates' sizes in radii, and |x| + |y|."""
+    """Uncertainty of a leg.
+
+    The arguments are the sum of the four coordinates' sizes in radii, and |x| + |y|.
+    """
     return PER_EXTENT * extent + PER_DISTANCE * distance + PER_HEADINGS
 
 
 def pose_shortest(
     x: float, y: float, a: float, b: float, delta: float
 ) -> tuple[float, int, float, float, float]:
-    """Length, word index and segments of the shortest path; the first word of equal ones."""
+    """Length, word index and segments of the shortest path.
+
+    If words are equally long, it is the first of them.
+    """
     X, Y, sine, cosine = body_pose(x, y, a, b)
     best, index, t, p, q = math.inf, 0, math.nan, math.nan, math.nan
     for word_index in range(6):
@@ -72,10 +80,12 @@ def pose_shortest(
 def pose_segments(
     x: float, y: float, a: float, b: float, word_index: int, delta: float
 ) -> tuple[float, float, float]:
-    """The three segments of a word, an arc as its angle (rad); NaN where the word has no path.
+    """Segments of a word (radii, rad).
 
-    An end within delta / 2 of an edge of the word is taken to be there: where an arc vanishes it
-    is nothing, not a full turn, and the edge of the word's reach belongs to it. The middle arc of
+    An arc is given as its angle (rad). All three are NaN where the word has no path.
+
+    An end within delta / 2 of an edge of the word is taken to be there. Where an arc vanishes it is
+    nothing, not a full turn. The edge of the word's reach belongs to its reach. The middle arc of
     RLR and LRL is at least pi.
 
     Args:
@@ -89,7 +99,10 @@ def pose_segments(
 
 
 def body_pose(x: float, y: float, a: float, b: float) -> tuple[float, float, float, float]:
-    """The end in the start's frame: X, Y, and the sine and cosine of its heading there."""
+    """End in the start's frame.
+
+    X, Y, and the sine and cosine of its heading there.
+    """
     sine_a, cosine_a, sine_b, cosine_b = math.sin(a), math.cos(a), math.sin(b), math.cos(b)
     X, Y = x * cosine_a + y * sine_a, y * cosine_a - x * sine_a
     return X, Y, sine_b * cosine_a - cosine_b * sine_a, cosine_b * cosine_a + sine_b * sine_a
@@ -98,7 +111,10 @@ def body_pose(x: float, y: float, a: float, b: float) -> tuple[float, float, flo
 def word_in_body(
     X: float, Y: float, sine: float, cosine: float, word_index: int, delta: float
 ) -> tuple[float, float, float]:
-    """`pose_segments` of an end in the start's frame, as `body_pose` returns it."""
+    """`pose_segments` of an end in the start's frame.
+
+    The end is given as `body_pose` returns it.
+    """
     if word_index in (1, 3, 4):  # the mirror images of LSL, LSR and LRL
         Y, sine = -Y, -sine
     if word_index < 2:
@@ -108,10 +124,9 @@ def word_in_body(
     return _left_right_left(X, Y, sine, cosine, delta)
 
 
-# In these three (x1, y1) is the last arc's centre seen from the first one's, in the start's frame,
-# and (x2, y2) the same in the frame in which the path driven backwards is a path of such a word. It
-# is the same vector, turned: where the centres are close and both arcs are little known, their sum
-# still is.
+# In these three (x1, y1) is the last arc's centre seen from the first one's, in the start's frame.
+# (x2, y2) is the same vector in the frame in which the path driven backwards is a path of such a
+# word. So where the centres are close and neither arc is known well, the sum of both arcs still is.
 
 
 def _left_straight_left(
@@ -174,29 +189,36 @@ def _left_right_left(
 
 
 def _principal(angle: float) -> float:
-    """An angle in (-pi, 3 pi] brought to (-pi, pi]."""
+    """Angle in (-pi, 3 pi] brought to (-pi, pi]."""
     return angle if angle <= _PI else angle - TWO_PI
 
 
 def _turn(angle: float, uncertainty: float) -> float:
-    """An angle in (-pi, pi] as one in [0, 2 pi), zero where it is within its uncertainty of it."""
+    """Angle in (-pi, pi] brought to [0, 2 pi).
+
+    It is zero where it is within its uncertainty of zero.
+    """
     if abs(angle) <= uncertainty:
         return 0.0
     return angle if angle > 0.0 else angle + TWO_PI
 
 
 def _on_side(angle: float, positive: bool) -> float:
-    """An angle in (-pi, pi] as one in [0, 2 pi]; next to zero it has the sign that is given."""
+    """Angle in (-pi, pi] brought to [0, 2 pi].
+
+    Next to zero it has the sign that is given.
+    """
     if abs(angle) < _NEAR_ZERO:
         return max(angle, 0.0) if positive else min(angle, 0.0) + TWO_PI
     return angle if angle > 0.0 else angle + TWO_PI
 
 
 def pose_gradient(word_index: int, t: float, p: float, q: float) -> tuple[float, float]:
-    """Derivatives of a word's length (radii) by the headings of its start and of its end.
+    """Derivatives of a word's length by both headings.
 
-    They are the distances of both ends from the line on which the path's costates have their
-    inflections (docs/derivation.md, eq. 16); infinite or huge where a middle arc is pi.
+    Lengths are in radii; the headings are those of the start and of the end. The derivatives are
+    the distances of both ends from the line on which the path's costates have their inflections
+    (docs/derivation.md, eq. 16). They are infinite or huge where a middle arc is pi.
 
     Args:
         word_index: of `WORDS6`.
@@ -213,10 +235,11 @@ def pose_gradient(word_index: int, t: float, p: float, q: float) -> tuple[float,
 
 
 def pose_curvatures(word_index: int, t: float, p: float, q: float) -> tuple[float, float, float]:
-    """Second derivatives of a word's length (radii) by both headings: 11, 12 and 22.
+    """Second derivatives of a word's length by both headings.
 
-    Infinite or huge where a straight vanishes or a middle arc is pi; arguments as those of
-    `pose_gradient`, of which these are the derivatives while the end stays where it is.
+    They are 11, 12 and 22, for lengths in radii. They are infinite or huge where a straight
+    vanishes or a middle arc is pi. Arguments are those of `pose_gradient`; these are its
+    derivatives while the end stays where it is.
     """
     if word_index < 4:
         first, last = math.sin(t), math.sin(q)
@@ -240,7 +263,10 @@ def pose_curvatures(word_index: int, t: float, p: float, q: float) -> tuple[floa
 def shortest_to_pose(
     start: Pose, end: Pose, radius: float, branch: str = "best"
 ) -> Shortest | None:
-    """The shortest path of a branch, `best` or one of `WORDS6`; None where the branch has none."""
+    """Shortest path of a branch to a pose.
+
+    A branch is `best` or one of `WORDS6`. None where it has no path.
+    """
     x, y, a, b, delta = leg(start, end, radius)
     if branch == "best":
         _, index, t, p, q = pose_shortest(x, y, a, b, delta)
@@ -251,6 +277,9 @@ def shortest_to_pose(
 
 
 def pose_path(start: Pose, end: Pose, radius: float, branch: str = "best") -> Path | None:
-    """The shortest path itself, as controls; None where the branch has none."""
+    """Shortest path to a pose, as controls.
+
+    None where the branch has none.
+    """
     found = shortest_to_pose(start, end, radius, branch)
     return None if found is None else as_path(start, radius, found.word, found.segments)

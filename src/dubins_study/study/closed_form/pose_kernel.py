@@ -1,8 +1,9 @@
-"""Legs with a given final heading over arrays: `study.closed_form.pose` for millions at once.
+"""Legs with a given final heading, over arrays.
 
-Strict IEEE arithmetic and, for lengths, fewer angles than the scalar form takes: which of two
-lengths a turn apart LSL has is a question of signs (docs/derivation.md, section 14). Rows whose
-word or length an ulp decides are done with the scalar functions.
+It does the same as `study.closed_form.pose`, for millions of legs at once. Arithmetic is strict
+IEEE. Lengths need fewer angles than in the scalar form: signs decide which of two lengths a turn
+apart LSL has (docs/derivation.md, section 14). Rows whose word or length an ulp decides are
+computed with the scalar functions.
 """
 
 from __future__ import annotations
@@ -34,7 +35,10 @@ from dubins_study.study.words import TURN
 
 
 class PoseArrays(NamedTuple):
-    """n legs: arrays of shape (n,), units as in `study.scenario.Scenario`."""
+    """n legs as arrays of shape (n,).
+
+    Units are those of `study.scenario.Scenario`.
+    """
 
     x: FloatArray
     y: FloatArray
@@ -50,9 +54,10 @@ SIDES = np.array([[TURN[letter] for letter in word] for word in WORDS6])
 
 
 _PI = math.pi
-# at least 4 delta: four times what `pose.pose_delta` adds up, with |x| + |y| at most the extent
+# at least 4 delta: four times the sum in `pose.pose_delta`, with |x| + |y| at most the extent
 _FOUR_EXTENT, _FOUR_HEADINGS = 60.0 * EPS, 4.0 * pose.PER_HEADINGS
-# A row is delicate where an arc's edge, in radii or rad, or |V|^2 - 4 of a straight is below this.
+# A row is delicate where its distance from an arc's edge (radii or rad), or |V|^2 - 4 of a
+# straight, is below this.
 _NEAR = 1e-6
 # Below this 16 - d^2 the length of RLR or LRL changes by more than 12 per shift of the end.
 _STEEP = 0.1
@@ -65,15 +70,17 @@ _pose_delta = inlined(pose.pose_delta)
 
 
 def pose_rows(*columns: ArrayLike, branch: str = "best", out: Rows | None = None) -> Rows:
-    """The shortest path of every row, as `study.closed_form.pose.pose_shortest` finds it.
+    """Shortest path of every row.
+
+    It is the path of `study.closed_form.pose.pose_shortest`.
 
     Args:
         columns: those of `PoseArrays`, in their order, shape (n,).
         branch: `best`, or one of `pose.WORDS6`.
         out: arrays to write to (C-contiguous, not overlapping the input); new ones if None.
 
-    Words are indices into `pose.WORDS6`. Nothing is checked but shapes: a row with NaN or a radius
-    that is not positive yields NaN.
+    Words are indices into `pose.WORDS6`. Only shapes are checked: a row with NaN or a radius that
+    is not positive yields NaN.
     """
     arrays, rows = prepared(columns, 3, out)
     legs = PoseArrays(*arrays)
@@ -88,7 +95,10 @@ def pose_rows(*columns: ArrayLike, branch: str = "best", out: Rows | None = None
 
 @separate
 def _exactly(i: int, word: int, legs: PoseArrays, rows: Rows) -> None:
-    """Row i by the scalar functions: the shortest of all, or of a word that is not negative."""
+    """Compute row i by the scalar functions.
+
+    The path is that of `word`, or the shortest of all if `word` is negative.
+    """
     x, y, heading, tx, ty, radius, final = legs
     R = radius[i]
     dx, dy = (tx[i] - x[i]) / R, (ty[i] - y[i]) / R
@@ -121,7 +131,10 @@ def _word_rows(legs: PoseArrays, word: int, rows: Rows) -> None:
 def to_body(
     x: float, y: float, heading: float, tx: float, ty: float, radius: float, final: float
 ) -> tuple[float, float, float, float, float]:
-    """The end in the start's frame: X, Y, sine and cosine of its heading, and that in [0, 2 pi)."""
+    """End in the start's frame.
+
+    X, Y, sine and cosine of its heading, and that heading in [0, 2 pi).
+    """
     sine_a, cosine_a = sine_cosine(heading)
     sine_b, cosine_b = sine_cosine(final)
     inverse = 1.0 / radius
@@ -134,7 +147,10 @@ def to_body(
 
 @inlined
 def turn_between(heading: float, final: float) -> float:
-    """The angle from one heading to another, from 0 to 2 pi; it keeps its digits for large ones."""
+    """Angle between two headings, from 0 to 2 pi.
+
+    It keeps its digits for large headings.
+    """
     rest_a, quarters_a = reduced(heading)
     rest_b, quarters_b = reduced(final)
     turn = quarter_turns(quarters_of_turn(quarters_b - quarters_a), rest_b - rest_a)
@@ -143,9 +159,10 @@ def turn_between(heading: float, final: float) -> float:
 
 @inlined
 def _turns(forward: bool, backward: bool, turn: float) -> float:
-    """0, or 2 pi where the two arcs of CSC with equal turns add up to a turn more than `turn`.
+    """Extra turn of CSC's two equal-sided arcs.
 
-    They don't where S lies between the first heading and the last one, as they turn.
+    It is 2 pi where the arcs add up to a turn more than `turn`, else 0. It is 0 where S lies
+    between the first heading and the last one, as they turn.
     """
     majority = (forward & backward) | ((forward | backward) & (turn > _PI))
     return 0.0 if majority else TWO_PI
@@ -153,7 +170,10 @@ def _turns(forward: bool, backward: bool, turn: float) -> float:
 
 @inlined
 def _opposite(x1: float, y1: float, turn: float) -> tuple[float, float, float, float]:
-    """LSR from the last centre seen from the first and the turn: t, p, q and the square of p."""
+    """LSR: t, p, q and the square of p.
+
+    The arguments are the last centre, seen from the first, and the turn.
+    """
     square = fma(x1, x1, (y1 - 2.0) * (y1 + 2.0))
     p = math.sqrt(max(square, 0.0))
     t = full_arctangent(fma(p, y1, 2.0 * x1), fma(p, x1, -2.0 * y1))
@@ -165,14 +185,15 @@ def _opposite(x1: float, y1: float, turn: float) -> tuple[float, float, float, f
 def _with_straight(
     X: float, Y: float, s: float, c: float, turn: float
 ) -> tuple[float, float, float, int, float, float]:
-    """The shortest of LSL, RSR, LSR, RSL: t, p, q, word index, distance from an edge, CCC's bound.
+    """Shortest of LSL, RSR, LSR and RSL.
 
-    The distance is zero at the edges where an arc vanishes, |E - C|^2 = 4, and words tie. No path
-    RLR or LRL is shorter than the bound.
+    Returns t, p, q, the word index, the distance from an edge, and a bound of RLR and LRL. The
+    distance is zero at the edges where an arc vanishes, |E - C|^2 = 4, and words tie. No path RLR
+    or LRL is shorter than the bound.
     """
     back = TWO_PI - turn
     across = fma(X, s, -Y * c)
-    # how far the last centre is to the side of the first: LSL, RSR, and seen from the end
+    # side distance of the last centre from the first: for LSL and RSR, then seen from the end
     left1, right1 = Y + (c - 1.0), -Y + (c - 1.0)
     left2, right2 = across + (c - 1.0), -across + (c - 1.0)
     x_left, x_right = X - s, X + s
@@ -209,10 +230,11 @@ def _with_straight(
 
 @inlined
 def least_bound(d: float, turn: float) -> float:
-    """At most the length of LRL with centres d apart: p + t + q, where t + q = turn + p - 2 pi k.
+    """Lower bound of LRL's length, centres d apart.
 
-    The middle arc p = pi + 2 acos(d / 4) is above pi and twice two chords of the arccosine, and
-    below 2 pi - d / 2; k is 0 for a turn so small that t + q would be negative.
+    The length is p + t + q, where t + q = turn + p - 2 pi k. The middle arc p = pi + 2 acos(d / 4)
+    is above pi and twice two chords of the arccosine, and below 2 pi - d / 2. k is 0 for a turn so
+    small that t + q would be negative.
     """
     p = _PI + 2.0 * min(_CHORD[0] - _CHORD[1] * d, _CHORD[2] - 0.25 * _CHORD[2] * d)
     whole = 0.0 if turn < 0.5 * d else TWO_PI
@@ -221,9 +243,10 @@ def least_bound(d: float, turn: float) -> float:
 
 @inlined
 def _three_arcs(x1: float, y1: float, turn: float) -> tuple[float, float, float, float, float]:
-    """LRL: t, p, q, how far an arc is from vanishing, and 16 - d^2, negative where it has no path.
+    """LRL: its arcs and its distances from edges.
 
-    Here (x1, y1) is the last arc's centre seen from the first one's, and d its distance.
+    Returns t, p, q, how far an arc is from vanishing, and 16 - d^2, which is negative where LRL has
+    no path. Here (x1, y1) is the last arc's centre seen from the first one's, and d its distance.
     """
     square = fma(x1, x1, y1 * y1)
     room = 16.0 - square
@@ -241,9 +264,10 @@ def _three_arcs(x1: float, y1: float, turn: float) -> tuple[float, float, float,
 def _curves_only(
     X: float, Y: float, s: float, c: float, turn: float, best: float
 ) -> tuple[float, float, float, int, float]:
-    """The shorter of RLR and LRL: t, p, q, word index, and how clearly it is not as long as `best`.
+    """Shorter of RLR and LRL.
 
-    Where its length is steep it has to be longer than the best of the other words, or is not clear.
+    Returns t, p, q, the word index, and how clearly its length differs from `best`. Where its
+    length is steep, it is clear only if it is longer than the best of the other words.
     """
     t1, p1, q1, edge1, room1 = _three_arcs(X + s, -Y + (c - 1.0), TWO_PI - turn)
     t2, p2, q2, edge2, room2 = _three_arcs(X - s, Y + (c - 1.0), turn)
@@ -267,10 +291,11 @@ def _best_block(
     scratch: FloatArray,
     waiting: NDArray[np.int64],
 ) -> int:
-    """One block: into the frame, then the words with a straight, then RLR and LRL where they count.
+    """Compute one block of rows.
 
-    Returns how many rows are left: delicate ones, and those without a finite length. What the loops
-    hand on is in `scratch`, shape (7, `CHUNK`), and `waiting`, shape (`CHUNK`,).
+    The steps are the change of frame, then the words with a straight, then RLR and LRL where they
+    count. Returns how many rows are left: delicate ones, and those without a finite length. The
+    loops pass values on in `scratch`, shape (7, `CHUNK`), and `waiting`, shape (`CHUNK`,).
     """
     x, y, heading, tx, ty, radius, final = legs
     length = rows.length
@@ -302,7 +327,7 @@ def _best_block(
         j = waiting[k]
         X[k], Y[k], sine[k], cosine[k] = X[j], Y[j], sine[j], cosine[j]
         turn[k], best[k] = turn[j], best[j]
-    # to a whole number of vectors: what is left over would be done one by one
+    # up to a whole number of vectors: a remainder would be computed one by one
     for k in range(min((count + 15) // 16 * 16, CHUNK)):
         t, p, q, code, clear = _curves_only(X[k], Y[k], sine[k], cosine[k], turn[k], best[k])
         X[k], Y[k], sine[k], cosine[k], turn[k] = t, p, q, code, clear

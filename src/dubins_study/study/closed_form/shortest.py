@@ -1,7 +1,8 @@
-"""The closed form: the shortest path of every word, and the shortest of all, for one scenario.
+"""Closed form for one scenario.
 
-Everything is in the vehicle's frame in units of the radius: target (X, Y), X forward, Y to the left
-(docs/derivation.md, sections 1 and 3 to 6). `study.closed_form.kernel` does the same for arrays.
+It gives the shortest path of every word, and the shortest of all. Everything is in the vehicle's
+frame in units of the radius: target (X, Y), X forward, Y to the left (docs/derivation.md, sections
+1 and 3 to 6). `study.closed_form.kernel` does the same for arrays.
 """
 
 from __future__ import annotations
@@ -17,10 +18,10 @@ from dubins_study.study.words import TURN
 
 
 class Shortest(NamedTuple):
-    """The shortest path of a branch: word, segments, and every word that ties with it.
+    """Shortest path of a branch.
 
-    The word has the letters whose segments have a length. Segments are in units of the radius (for
-    an arc: its angle in rad).
+    It has a word, segments, and every word that ties with it. The word has the letters whose
+    segments have a length. Segments are in units of the radius (for an arc: its angle in rad).
     """
 
     word: str
@@ -37,10 +38,10 @@ class Shortest(NamedTuple):
 
 
 def best_segments(X: float, y: float, delta: float) -> tuple[float, float, bool]:
-    """Both segments (radii) of the shortest path of all, for y = |Y|, and whether it is RL.
+    """Segments (radii) of the shortest path of all.
 
-    It is LS where it is not RL. What is within delta / 2 of the start or of the axis ahead, or of
-    the circle (`power`), is taken to be there.
+    y is |Y|. The flag says whether the word is RL; otherwise it is LS. A target within delta / 2 of
+    the start or of the axis ahead, or on the circle by `power`, is taken to be there.
     """
     if power(X, y, delta) > 0.0:
         first, second, _, _ = right_left_pair(X, y, delta)
@@ -50,7 +51,10 @@ def best_segments(X: float, y: float, delta: float) -> tuple[float, float, bool]
 
 
 def left_straight(X: float, Y: float, delta: float) -> tuple[float, float]:
-    """Arc (rad) and straight (radii) of the shortest LS path; NaN inside the left disc."""
+    """Arc (rad) and straight (radii) of shortest LS.
+
+    Both are NaN inside the left disc.
+    """
     if abs(Y) <= 0.5 * delta and -0.5 * delta <= X:
         return 0.0, X if 0.5 * delta < X else 0.0  # ahead, or at the start
     w = power(X, Y, delta)
@@ -74,10 +78,11 @@ def right_left(X: float, Y: float, delta: float) -> tuple[float, float]:
 
 
 def right_left_pair(X: float, Y: float, delta: float) -> tuple[float, float, float, float]:
-    """The arcs of both RL paths, second arc above pi first; equal where the second arc is pi.
+    """Arcs (rad) of both RL paths.
 
-    At the edges of the word's reach, and where a first arc vanishes, the lengths go like the root
-    of a distance or jump. A target within about delta / 2 of them is taken to be there.
+    The path whose second arc is above pi comes first; the paths are equal where the second arc is
+    pi. At the edges of the word's reach, and where a first arc vanishes, the lengths go like the
+    root of a distance or jump. A target within about delta / 2 of them is taken to be there.
     """
     if abs(X) <= 0.5 * delta and abs(Y) <= 0.5 * delta:
         return 0.0, TWO_PI, 0.0, 0.0
@@ -85,7 +90,8 @@ def right_left_pair(X: float, Y: float, delta: float) -> tuple[float, float, flo
     p = X * X + Y * (Y + 2.0)  # |T - C_R|^2 - 1
     q = 4.0 * (2.0 - Y) + w  # 9 - |T - C_R|^2
     bearing = math.atan2(X, 1.0 + Y)  # of T from C_R, from straight up, clockwise as R turns
-    if w == 0.0:  # on the left circle: the arc to T, and the path whose second arc is the rest
+    # on the left circle: one path is the arc to T, the other's second arc is the rest of the turn
+    if w == 0.0:
         arc = math.atan2(X, 1.0 - Y)
         arc = arc if arc >= 0.0 else arc + TWO_PI
         turn = wrapped(2.0 * bearing)
@@ -112,14 +118,18 @@ def right_left_pair(X: float, Y: float, delta: float) -> tuple[float, float, flo
 
 
 def wrapped(angle: float) -> float:
-    """The angle (rad) brought to [0, 2 pi]; one just below zero is a full turn."""
+    """Angle (rad) brought to [0, 2 pi].
+
+    An angle just below zero is a full turn.
+    """
     return angle % TWO_PI
 
 
 def shortest_local(target: Local, branch: str = "best") -> Shortest | None:
-    """The shortest path of a branch, or None where the branch has none.
+    """Shortest path of a branch to a target.
 
-    The rule for the only tie of two different paths, straight behind: LS is chosen.
+    None where the branch has none. The only tie of two different paths is straight behind; there LS
+    is chosen.
     """
     if branch != "best":
         X, Y, delta = target.mirrored if branch in ("RS", "LR") else target
@@ -137,27 +147,36 @@ def shortest_local(target: Local, branch: str = "best") -> Shortest | None:
 
 
 def chosen_side(Y: float, delta: float) -> bool:
-    """Whether the shortest path of all turns left first, as for a target on the axis.
+    """Whether the shortest path turns left first.
 
-    Of a target within delta / 4 to the right it is the mirror image's path, which ends within
-    delta / 2 of the target.
+    A target on the axis counts as on the left, and so does one within delta / 4 to the right. The
+    path to the latter is its mirror image's, which ends within delta / 2 of the target.
     """
     return -0.25 * delta <= Y
 
 
 def named(letters: str, segments: tuple[float, ...]) -> Shortest:
-    """The word without the letters that have no length."""
+    """Path of a word, its empty letters dropped.
+
+    Letters whose segments have no length do not appear in the word.
+    """
     word = "".join(c for c, length in zip(letters, segments, strict=True) if length > 0)
     return Shortest(word, segments, (word,))
 
 
 def shortest(scenario: Scenario, branch: str = "best") -> Shortest | None:
-    """The shortest path of a scenario's branch; segments in units of the radius."""
+    """Shortest path of a scenario's branch.
+
+    Segments are in units of the radius.
+    """
     return shortest_local(local(scenario), branch)
 
 
 def shortest_path(scenario: Scenario, branch: str = "best") -> Path | None:
-    """The shortest path itself, as controls; None where the branch has none."""
+    """Shortest path of a scenario, as controls.
+
+    None where the branch has none.
+    """
     optimum = shortest(scenario, branch)
     if optimum is None:
         return None
@@ -165,7 +184,10 @@ def shortest_path(scenario: Scenario, branch: str = "best") -> Path | None:
 
 
 def as_path(start: Pose, radius: float, word: str, segments: tuple[float, ...]) -> Path:
-    """Controls of a word; segments of no length are left out, as their letters are."""
+    """Path with the controls of a word.
+
+    Segments of no length are left out, as their letters are.
+    """
     driven = [length * radius for length in segments if length > 0]
     return Path(start, [TURN[letter] / radius for letter in word], driven)
 
@@ -175,7 +197,10 @@ OUTSIDE, LEFT_DISC, RIGHT_DISC, CIRCLE = REGIONS
 
 
 def region_of(left: float, right: float) -> str:
-    """The target's region, one of `REGIONS`, from w of both discs."""
+    """Target's region, one of `REGIONS`.
+
+    The arguments are w of the left and of the right disc.
+    """
     if left > 0:
         return LEFT_DISC
     if right > 0:
@@ -184,5 +209,9 @@ def region_of(left: float, right: float) -> str:
 
 
 def margin_local(X: float, y: float) -> float:
-    """| |T - C| - 1 | as |w| / (1 + |T - C|), which keeps its digits near the circle; y = |Y|."""
+    """Distance of the target from the turning circle.
+
+    It is | |T - C| - 1 |, computed as |w| / (1 + |T - C|), which keeps its digits near the circle;
+    y = |Y|.
+    """
     return abs(y * (2.0 - y) - X * X) / (1.0 + math.hypot(X, y - 1.0))

@@ -1,1 +1,4 @@
-"""Frozen convex problems: their file format, and the proof that judges an answer to one."""
+"""Frozen convex problems and their judge.
+
+Their file format, and the proof that judges an answer to one.
+"""

@@ -1,8 +1,8 @@
-"""Convex problems as texts that other programs read: QPS (a QP) and CBF (with cones or without).
+"""Write convex problems as QPS or CBF texts.
 
-Each finite end of a row is a row of its own, so that numbers stay as they are: none is a difference
-of two. Only in CBF the diagonal of the quadratic term is rounded, since it becomes a cone with its
-square roots.
+Other programs read these formats: QPS a QP, CBF a problem with cones or without. Each finite end of
+a row is a row of its own, so that all numbers stay the same: none is a difference of two. Only in
+CBF the diagonal of the quadratic term is rounded, since it becomes a cone with its square roots.
 """
 
 from __future__ import annotations
@@ -20,7 +20,10 @@ _Part = tuple[str, csr_array, FloatArray]
 
 
 def _one_sided(problem: Problem) -> list[_Part]:
-    """The rows of a problem by their kinds as in QPS, each with one end."""
+    """Rows with one end each, by kind.
+
+    The kinds are those of QPS.
+    """
     ends = {"E": problem.u, "L": problem.u, "G": problem.l}
     chosen = {"E": problem.equal, "L": ~problem.equal, "G": ~problem.equal}
     parts = []
@@ -31,10 +34,12 @@ def _one_sided(problem: Problem) -> list[_Part]:
 
 
 def qps_text(problem: Problem, name: str) -> str:
-    """The text of a QPS file (MPS with a section QUADOBJ, in free format) of a QP.
+    """Text of a QP in a QPS file.
+
+    It is MPS with a section QUADOBJ, in free format.
 
     Raises:
-        ProblemError: if the problem has cones, which QPS cannot say.
+        ProblemError: if the problem has cones, which QPS does not support.
     """
     if problem.cones.size:
         raise ProblemError(f"{name} has cones, which QPS cannot say; expected a QP, or write CBF")
@@ -62,9 +67,10 @@ def qps_text(problem: Problem, name: str) -> str:
 
 
 def cbf_text(problem: Problem) -> str:
-    """The text of a CBF file (Conic Benchmark Format, version 3).
+    """Text of a CBF file.
 
-    A last variable v with 2 v >= sum p_i x_i^2 stands for the quadratic term, if there is one.
+    It is the Conic Benchmark Format, version 3. If there is a quadratic term, a last variable v
+    with 2 v >= sum p_i x_i^2 stands for it.
     """
     n = problem.q.size
     unit = eye_array(n, format="csr")
@@ -98,18 +104,24 @@ def cbf_text(problem: Problem) -> str:
 
 
 def _wider(matrix: csr_array) -> csr_array:
-    """The matrix with a column of zeros more."""
+    """Matrix with another column of zeros."""
     rows, columns = matrix.shape
     parts = matrix.data, matrix.indices, matrix.indptr
     return csr_array(parts, shape=(rows, columns + 1))
 
 
 def _numbered(entries: Any) -> list[tuple[Any, ...]]:
-    """Places and value of each entry of a sparse array."""
+    """Places and value of each entry.
+
+    The entries are those of a sparse array.
+    """
     parts = [*entries.coords, entries.data]
     return list(zip(*(part.tolist() for part in parts), strict=True))
 
 
 def _coordinates(entries: Any) -> list[str]:
-    """A line for the number of entries, then one for each."""
+    """Lines of a sparse array's entries.
+
+    The first line is their number, then one follows for each.
+    """
     return [str(entries.nnz), *(" ".join(map(repr, entry)) for entry in _numbered(entries))]

@@ -1,4 +1,6 @@
-"""Convex problems as files: quadratic programs, and programs over second-order cones.
+"""Convex problems as files.
+
+They are quadratic programs, and programs over second-order cones.
 
     minimise    1/2 sum_i p_i x_i^2 + q x
     subject to  l <= A x <= u,   lb <= x <= ub,   C x + d in Q_1 x Q_2 x ...
@@ -35,11 +37,17 @@ _FOLDER = files(__package__).joinpath("problems")
 
 
 class ProblemError(DubinsStudyError, ValueError):
-    """A file that holds no convex problem; the message names the file."""
+    """The file holds no convex problem.
+
+    The message names the file.
+    """
 
 
 class Point(NamedTuple):
-    """A primal and dual point: x (n,), y (rows,), z (n,), w (rows of C,)."""
+    """A primal and dual point.
+
+    Shapes: x (n,), y (rows,), z (n,), w (rows of C,).
+    """
 
     x: FloatArray
     y: FloatArray
@@ -49,14 +57,16 @@ class Point(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Problem:
-    """A convex problem with n variables, all of them bounded, and m rows.
+    """A convex problem with n variables and m rows.
+
+    All variables are bounded.
 
     Args:
         p: diagonal of the quadratic term, shape (n,), at least 0.
         q: linear term, shape (n,).
         A: rows, shape (m, n); `l` and `u` (m,) are their ends, infinite where there is none.
         lb, ub: finite bounds of the variables, shape (n,).
-        C, d: what lies in the cones, shapes (k, n) and (k,).
+        C, d: matrix and constant of the points in the cones, shapes (k, n) and (k,).
         cones: sizes of the cones, shape (c,), which sum to k.
         interior: a point strictly inside all inequalities and cones, shape (n,).
         x, y, z, w: a primal and dual point whose proven interval is the reference
@@ -81,27 +91,36 @@ class Problem:
 
     @property
     def witness(self) -> Point:
-        """The primal and dual point whose proven interval is the reference."""
+        """Primal and dual point that proves the reference.
+
+        Its proven interval is the reference.
+        """
         return Point(self.x, self.y, self.z, self.w)
 
     @cached_property
     def equal(self) -> BoolArray:
-        """Which rows are equations, shape (m,)."""
+        """Mask of the rows that are equations.
+
+        Shape (m,).
+        """
         return np.equal(self.l, self.u)
 
     @property
     def numbers(self) -> int:
-        """How many numbers a primal and dual point has."""
+        """Count of numbers in a primal and dual point."""
         return int(2 * self.q.size + self.l.size + self.d.size)
 
     def split(self, numbers: FloatArray) -> Point:
-        """A point from its `numbers`, one array behind the other."""
+        """Point from its `numbers`, one array after the other."""
         m, n = self.A.shape
         return Point(*np.split(numbers, (n, n + m, 2 * n + m)))
 
 
 def parse(content: bytes, name: str) -> Problem:
-    """The problem of a file's bytes; nothing is unpickled."""
+    """Problem of a file's bytes.
+
+    Nothing is unpickled. A file without a convex problem is a `ProblemError`.
+    """
     try:
         with np.load(BytesIO(content), allow_pickle=False) as stored:
             arrays: dict[str, Any] = dict(stored)
@@ -115,16 +134,19 @@ def parse(content: bytes, name: str) -> Problem:
 
 @cache
 def listed() -> Mapping[str, Any]:
-    """The packaged problems: name -> the SHA-256 of its file, and the route that it comes from."""
+    """Packaged problems by name.
+
+    Each has the SHA-256 of its file, and the route that it comes from.
+    """
     entries = json.loads(_FOLDER.joinpath("list.json").read_text(encoding="utf-8"))
     return MappingProxyType(entries)
 
 
 def matching(patterns: Iterable[str]) -> list[Scenario]:
-    """The packaged problems whose names match one of some patterns, such as `qp-50-*`.
+    """Packaged problems whose names match a pattern.
 
-    Each is the route that it comes from, with the problem's name as its label. The problem
-    `trivial` has none; floors are measured with it.
+    A pattern is like `qp-50-*`. Each problem is given as the route that it comes from, with its
+    name as the label. The problem `trivial` has no route; floors are measured with it.
     """
     found = []
     for name, entry in listed().items():
@@ -135,7 +157,7 @@ def matching(patterns: Iterable[str]) -> list[Scenario]:
 
 @lru_cache(maxsize=128)
 def read(name: str) -> Problem:
-    """The packaged problem of this name, one of `listed`.
+    """Packaged problem of this name, one of `listed`.
 
     Raises:
         ProblemError: if there is none of this name, or its file was changed.
@@ -153,5 +175,8 @@ def read(name: str) -> Problem:
 
 @lru_cache(maxsize=128)
 def posed(name: str) -> Problem:
-    """The problem as engines are given it: without its answer; errors as `read`."""
+    """Problem without its answer, as engines get it.
+
+    Errors are those of `read`.
+    """
     return replace(read(name), **dict.fromkeys(("interior", *Point._fields), np.zeros(0)))

@@ -1,8 +1,9 @@
-"""Proven bounds of a convex problem's optimum, from any primal and any dual point; the verdict.
+"""Prove bounds of a convex problem's optimum.
 
-The upper bound is the objective at the point moved into the feasible set; the lower bound is the
-Lagrangian's minimum over the box of the variables. Both hold whatever point is given, since they
-are evaluated in ball arithmetic (Arb, through python-flint).
+The bounds come from any primal and any dual point, and give the verdict. The upper bound is the
+objective at the point moved into the feasible set. The lower bound is the Lagrangian's minimum over
+the box of the variables. Both hold for every point, since they are evaluated in ball arithmetic
+(Arb, through python-flint).
 """
 
 from __future__ import annotations
@@ -21,12 +22,15 @@ from dubins_study.study.rows.schema import Certificate, Judgement
 from dubins_study.study.words import Claim, Proof, Verdict
 
 _BITS = 106
-_LEAST_STEP = 1e-14  # towards the interior; pays for the rounding of the step itself
+_LEAST_STEP = 1e-14  # towards the interior; covers the rounding of the step itself
 _STEPS = 12  # tries, each with a step ten times as large
 
 
 class Residuals(NamedTuple):
-    """Largest violations of a point: of constraints, of stationarity and signs; the gap."""
+    """Largest violations of a point.
+
+    They are those of the constraints, of stationarity and signs, and the gap.
+    """
 
     primal: float
     dual: float
@@ -34,9 +38,10 @@ class Residuals(NamedTuple):
 
 
 def residuals(problem: Problem, point: Point) -> Residuals:
-    """Residuals in the largest norm, and the absolute difference of both objectives.
+    """Residuals of a point, and its objectives' difference.
 
-    The definitions are those of the conditions of Karush, Kuhn and Tucker, unscaled.
+    Residuals are in the largest norm, the difference is absolute. The definitions are those of the
+    conditions of Karush, Kuhn and Tucker, unscaled.
     """
     x, y, z, w = point
     rows, inside = problem.A @ x, problem.C @ x + problem.d
@@ -55,7 +60,10 @@ def _largest(values: FloatArray) -> float:
 
 
 def _paid(multipliers: FloatArray, low: FloatArray, high: FloatArray) -> float:
-    """Sum of multipliers times the ends that they push at; infinite ends have none."""
+    """Sum of multipliers times their ends.
+
+    A multiplier's end is the one that it pushes at. Infinite ends count as zero.
+    """
     ends = np.where(multipliers > 0, high, low)
     return float(multipliers @ np.where(np.isinf(ends), 0.0, ends))
 
@@ -66,15 +74,19 @@ def _parts(cones: Any) -> list[slice]:
 
 
 def _outside(values: FloatArray, cones: Any) -> FloatArray:
-    """How far the norm exceeds the first number, by cone."""
+    """Violation of each cone.
+
+    It is the excess of the norm over the first number.
+    """
     return np.array([np.linalg.norm(values[p][1:]) - values[p][0] for p in _parts(cones)])
 
 
 def upper_bound(problem: Problem, x: FloatArray) -> float:
-    """The objective, rounded up, at a feasible point made from x; infinity if there is none.
+    """Objective at a feasible point made from x.
 
-    x is cut off at its bounds and moved towards `interior` until rows, bounds and cones hold. Each
-    equation has a variable of its own (`closing_columns`), which takes the value that closes it.
+    It is rounded up, and infinite if no such point was reached. x is cut off at its bounds and
+    moved towards `interior` until rows, bounds and cones hold. Each equation has a variable of its
+    own (`closing_columns`), which takes the value that closes it.
     """
     if not np.isfinite(x).all():
         return np.inf
@@ -90,7 +102,10 @@ def upper_bound(problem: Problem, x: FloatArray) -> float:
 
 
 def closing_columns(problem: Problem) -> dict[int, tuple[int, float]]:
-    """Equation -> a column that stands in no other row and costs nothing, and its coefficient."""
+    """Column that closes each equation.
+
+    The column stands in no other row and costs nothing. Its coefficient is returned with it.
+    """
     columns = problem.A.tocsc()
     alone = np.flatnonzero((np.diff(columns.indptr) == 1) & (problem.p == 0) & (problem.q == 0))
     places = columns.indptr[alone]
@@ -99,7 +114,7 @@ def closing_columns(problem: Problem) -> dict[int, tuple[int, float]]:
 
 
 def _closed(problem: Problem, x: FloatArray) -> FloatArray:
-    """The point with its equations closed, up to rounding."""
+    """Point with its equations closed, up to rounding."""
     closing = closing_columns(problem)
     rows = list(closing)
     columns = [column for column, _ in closing.values()]
@@ -110,7 +125,10 @@ def _closed(problem: Problem, x: FloatArray) -> FloatArray:
 
 
 def _step(problem: Problem, x: FloatArray, inside: FloatArray) -> float:
-    """The share of the way inside after which all rows and cones hold, up to rounding."""
+    """Share of the way inside that is needed.
+
+    After it all rows and cones hold, up to rounding.
+    """
     rows = ~problem.equal
 
     def room(point: FloatArray) -> FloatArray:
@@ -125,9 +143,10 @@ def _step(problem: Problem, x: FloatArray, inside: FloatArray) -> float:
 
 
 def _feasible_objective(problem: Problem, x: FloatArray) -> float | None:
-    """The objective, rounded up, of x with its equations closed; None if x may be infeasible.
+    """Objective of x with its equations closed.
 
-    Rows are evaluated as balls; the numbers of x are exact.
+    It is rounded up, and None if x may be infeasible. Rows are evaluated as balls; the numbers of x
+    are exact.
     """
     with ctx.workprec(_BITS):
         point = [arb(value) for value in x.tolist()]
@@ -151,12 +170,15 @@ def _feasible_objective(problem: Problem, x: FloatArray) -> float | None:
 
 
 def _between(low: float, value: Any, high: float) -> bool:
-    """Whether a ball lies between two ends for certain; ends may be infinite."""
+    """Whether a ball surely lies between two ends.
+
+    Ends may be infinite.
+    """
     return bool((low == -np.inf or value >= low) and (high == np.inf or value <= high))
 
 
 def _in_cones(values: list[Any], cones: Any) -> bool:
-    """Whether balls lie in their cones for certain."""
+    """Whether balls surely lie in their cones."""
     for part in _parts(cones):
         first, *others = values[part]
         if not (first >= 0 and first * first >= sum((v * v for v in others), arb(0))):
@@ -165,10 +187,11 @@ def _in_cones(values: list[Any], cones: Any) -> bool:
 
 
 def lower_bound(problem: Problem, point: Point) -> float:
-    """A bound of the optimum, rounded down, from the multipliers y and w of any point.
+    """Lower bound of the optimum, from multipliers.
 
-    Multipliers of the wrong sign count as zero, those outside their cone are brought into it; the
-    bounds of the variables stay constraints, so that z is not needed.
+    It is rounded down, and holds for y and w of any point. Multipliers of the wrong sign count as
+    zero, and those outside their cone are brought into it. The bounds of the variables stay
+    constraints, so that z is not needed.
     """
     y = np.where(np.isinf(problem.l), np.maximum(point.y, 0.0), point.y)
     y = np.where(np.isinf(problem.u), np.minimum(y, 0.0), y)
@@ -192,7 +215,10 @@ def lower_bound(problem: Problem, point: Point) -> float:
 
 
 def _least(p: Any, g: Any, low: Any, high: Any) -> Any:
-    """At most the least value of p x^2 / 2 + g x over low <= x <= high."""
+    """Lower bound of a quadratic on an interval.
+
+    It bounds p x^2 / 2 + g x over low <= x <= high.
+    """
     if p * low + g >= 0:
         return (p * low / 2 + g) * low
     if p * high + g <= 0:
@@ -208,7 +234,10 @@ def _dot(numbers: FloatArray, values: list[Any]) -> Any:
 
 
 def _rows(matrix: csr_array, values: list[Any]) -> list[Any]:
-    """The product of a matrix of doubles and a vector of balls."""
+    """Product of a matrix and a vector of balls.
+
+    The matrix holds doubles.
+    """
     ends, columns, data = matrix.indptr.tolist(), matrix.indices.tolist(), matrix.data.tolist()
     return [
         sum((arb(data[place]) * values[columns[place]] for place in range(begin, end)), arb(0))
@@ -218,7 +247,7 @@ def _rows(matrix: csr_array, values: list[Any]) -> list[Any]:
 
 @lru_cache(maxsize=128)
 def reference(name: str) -> tuple[float, float]:
-    """The proven interval around the optimum of the packaged problem of this name."""
+    """Proven interval around a packaged problem's optimum."""
     problem = read(name)
     return lower_bound(problem, problem.witness), upper_bound(problem, problem.x)
 
@@ -226,12 +255,13 @@ def reference(name: str) -> tuple[float, float]:
 def judge_convex(
     name: str, numbers: FloatArray | None, claim: Claim, tolerance: float
 ) -> tuple[Judgement, Certificate]:
-    """Judge the numbers of a primal and dual point by the tolerance that was asked for.
+    """Judge the numbers of a primal and dual point.
 
-    It misses if a constraint is violated by more. It is optimal if the feasible point made from it
-    (`upper_bound`) costs at most that more than the proven optimum, relative to the larger of
-    1 and the optimum, and longer if it costs more for certain. A claim of an optimum is false if it
-    is not optimal, and a residual or the gap of both objectives is beyond the tolerance as well.
+    The tolerance is the one that was asked for. The point misses if a constraint is violated by
+    more. It is optimal if the feasible point made from it (`upper_bound`) costs at most that much
+    more than the proven optimum, relative to the larger of 1 and the optimum. It is longer if that
+    point surely costs more. A claim of an optimum is false if the point is not optimal, and a
+    residual or the gap of both objectives is beyond the tolerance as well.
     """
     low, high, verdict = None, None, Verdict.NONE
     shares: dict[str, Any] = {}

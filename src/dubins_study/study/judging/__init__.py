@@ -1,1 +1,4 @@
-"""Answers judged and certified, by the table of kinds: one at a time, and by frames."""
+"""Judge and certify answers, by the table of kinds.
+
+Answers are judged one at a time, and by frames.
+"""

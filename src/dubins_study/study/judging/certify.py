@@ -1,4 +1,6 @@
-"""How far the proof of an answer goes, from its controls, the scenario and a bound if there is one.
+"""Certify how far the proof of an answer goes.
+
+The certificate needs the answer's controls, the scenario, and a bound if there is one.
 
 Pontryagin's conditions and the cut margin (`check.extremal`) prove that a path is the shortest to
 its own end point. An interval around the reference length (`check.enclosure`) proves that no
@@ -20,14 +22,15 @@ from dubins_study.study.scenario import Scenario
 from dubins_study.study.tolerances import DEFAULT, Tolerances
 from dubins_study.study.words import Proof, Verdict
 
-# A solver's 1e-8 on lengths leaves angles off by about as much; the turn of 1e-3 that an
-# interior-point method adds to a segment leaves its square, 1e-6 (docs/derivation.md, section 9).
+# A solver's tolerance of 1e-8 on lengths causes errors of about that size in angles. A turn of 1e-3
+# that an interior-point method adds to a segment causes its square, 1e-6 (docs/derivation.md,
+# section 9).
 PMP_TOLERANCE = 1e-7
 # nu3 sums products of the costates with positions, which loses this much for every radius of length
 PMP_ROUNDING = 16 * EPS
 # rad: at the tie straight behind the margin is zero up to rounding
 CUT_TOLERANCE = 1e-9
-# relative: a bound above the shortest length by less is so by the solver's own tolerance
+# relative: a bound may be above the shortest length by this much, by the solver's own tolerance
 _BOUND_TOLERANCE = 1e-9
 # words of which the interval alone proves the shortest path
 _BY_INTERVAL = ("LR", "RL")
@@ -58,7 +61,7 @@ def certify(
     arriving = None if judged.gap is None else judged.length
     bound = math.nan if lower_bound is None else lower_bound
     if kind.searched and arriving is None and math.isnan(bound):
-        return Certificate(proof=Proof.NONE)  # nothing is said that would be worth a search
+        return Certificate(proof=Proof.NONE)  # no answer and no bound that would be worth a search
     costates, cut = Costates()
     if path is not None:
         costates, cut = kind.costates(scenario, path, judged, tolerances.until)
@@ -91,14 +94,20 @@ def certify(
 
 
 def _is_extremal(costates: Extremal | None, length: float) -> bool:
-    """Whether Pontryagin's conditions hold of a path, up to the rounding of its length (radii)."""
+    """Whether Pontryagin's conditions hold of a path.
+
+    They hold up to the rounding of its length (radii).
+    """
     if costates is None:
         return False
     return costates.pmp_residual <= PMP_TOLERANCE + PMP_ROUNDING * length
 
 
 def _columns(costates: Extremal | None, multipliers: tuple[float, float] | None) -> dict[str, Any]:
-    """What the costates are in a row's columns, and how far multipliers are from them."""
+    """Columns of the costates in a row.
+
+    They include the distance of the multipliers from the costates.
+    """
     if costates is None:
         return {}
     error = None

@@ -1,4 +1,7 @@
-"""The check: a path judged from its controls alone, against its question's reference."""
+"""Judge a path from its controls alone.
+
+It is compared with its question's reference.
+"""
 
 from __future__ import annotations
 
@@ -21,7 +24,7 @@ def judge(
 ) -> Judgement:
     """Judge a path, or its absence, for a question.
 
-    Nothing that the solver reports enters but its controls and, for `false_claim` and the
+    The only reports of the solver that enter are its controls and, for `false_claim` and the
     verdict `none exists`, its claim.
     """
     kind = kind_of(scenario, branch)
@@ -35,7 +38,8 @@ def judge(
         return Judgement(verdict=verdict, false_claim=is_false(claim, verdict), **known)
     seen = seen_of(scenario, path, branch, tolerances)
     length = path.length
-    ends = seen.visits.at[: scenario.legs - 1]  # of legs; that of the last is the path's
+    # the ends of all legs but the last, which ends with the path
+    ends = seen.visits.at[: scenario.legs - 1]
     word = kind.words_of(path, ends, scenario.radius)
     verdict = Verdict.MISSES
     if seen.arrives and seen.excess <= tolerances.curvature and scenario.starts(path.start):
@@ -57,7 +61,10 @@ def judge(
 
 
 def _order(scenario: Scenario, seen: Seen) -> list[float] | None:
-    """The via points of a tour in the order of their visits, by their places."""
+    """Via points of a tour, as they are visited.
+
+    They are given by their places in the scenario. None if the order is given.
+    """
     if scenario.order is not Order.FREE:
         return None
     return list(map(float, seen.visits.order))
@@ -66,7 +73,7 @@ def _order(scenario: Scenario, seen: Seen) -> list[float] | None:
 def miss_reason(
     scenario: Scenario, path: Path, branch: str, tolerances: Tolerances = DEFAULT
 ) -> str:
-    """What keeps a path whose verdict is `misses` from answering its question."""
+    """Reason for the verdict `misses` on a path."""
     if not drivable(path):
         return "the path has a number that is not finite, or a length below 0"
     if not scenario.starts(path.start):

@@ -1,10 +1,12 @@
-"""The check over frames: what `judge` finds, for paths of up to three arcs as arrays.
+"""Judge frames of paths of up to three arcs.
+
+The findings are those of `judge`, computed for whole arrays.
 
 A compiled loop judges ordinary rows: those whose path has the closed form's word, its rates up to
 rounding, and its length. A row without a path is ordinary too, unless it denies a path that the
-closed form has. Any other row is marked `ODD`, and `judge` itself judges it. So it does next to an
-edge of a word: there its intervals hold the lengths on both sides, and what is ordinary here is
-optimal there.
+closed form has. Any other row is marked `ODD`, and `judge` itself judges it. Next to an edge of a
+word both agree as well: there the intervals of `judge` hold the lengths on both sides, and a row
+that is ordinary here is optimal there.
 """
 
 from __future__ import annotations
@@ -65,10 +67,10 @@ _DENIALS = list(map(CLAIMS.index, DENIALS))
 
 
 class FrameJudgement(NamedTuple):
-    """The judgements of n rows: arrays of shape (n,); NaN where `Judgement` has None.
+    """Judgements of n rows, as arrays of shape (n,).
 
-    `verdict` indexes `VERDICTS`, `region` indexes `REGIONS`, `word` and `reference_word` index
-    `LEG_WORDS`; `NO_WORD` where there is none.
+    NaN stands where `Judgement` has None. `verdict` indexes `VERDICTS`, `region` indexes `REGIONS`,
+    `word` and `reference_word` index `LEG_WORDS`; `NO_WORD` where there is none.
     """
 
     verdict: CodeArray
@@ -86,7 +88,10 @@ class FrameJudgement(NamedTuple):
     margin: FloatArray
 
     def row(self, row: int) -> Judgement:
-        """What the certificate of a row begins with: its verdict, length and gap."""
+        """Verdict, length and gap of one row.
+
+        A row's certificate begins with them.
+        """
         length, gap = float(self.length[row]), float(self.gap[row])
         return Judgement(
             verdict=VERDICTS[self.verdict[row]],
@@ -97,13 +102,13 @@ class FrameJudgement(NamedTuple):
 
     @classmethod
     def empty(cls, n: int) -> FrameJudgement:
-        """Room for n rows, none of them a wrong basin."""
+        """Room for n rows; none is a wrong basin."""
         codes, numbers, flags = np.empty((4, n), np.uint8), np.empty((7, n)), np.zeros((2, n), bool)
         return cls._make([*codes[:3], *numbers[:6], *flags, codes[3], numbers[6]])
 
 
 class _Best(NamedTuple):
-    """The shortest paths of n rows."""
+    """Shortest paths of n rows."""
 
     word: CodeArray  # a row of `_RATES` after the first of its kind, or `NO_PATH`
     first: int  # the first row of `_RATES` of its kind
@@ -111,13 +116,13 @@ class _Best(NamedTuple):
 
 
 class _Limits(NamedTuple):
-    """Tolerances of `study.check.verdict`, and how rows of a kind are judged."""
+    """Tolerances and rules for judging rows of a kind."""
 
     miss: float
     curvature: float
     gap: float
-    rounded: float  # a path whose length is the reference up to this share is its own reference
-    cut: float  # radii, or share of a shorter path: what is shorter is not named
+    rounded: float  # relative gap up to which a path is its own reference
+    cut: float  # radii, or share of a shorter path; shorter segments have no letter
 
 
 # the rates of three segments of all words: to any heading, then to a given one
@@ -179,14 +184,20 @@ def judge_frame(
 
 
 def three_arcs(paths: Paths) -> tuple[FloatArray, FloatArray]:
-    """Controls as of paths of three arcs, shape (3, n): the last may have no length."""
+    """Controls of paths as three arcs, shape (3, n).
+
+    The last arc may have no length.
+    """
     none = np.zeros((3 - len(paths.curvatures), len(paths)))
     curvature, length = (np.concatenate([a, none]) for a in (paths.curvatures, paths.lengths))
     return loop_input(curvature), loop_input(length)
 
 
 def _shortest_free(legs: PoseArrays, branch: str, result: FrameJudgement) -> _Best:
-    """The shortest paths to any heading; their words are written, and the targets' regions."""
+    """Shortest paths to any heading.
+
+    Their words and the targets' regions are written.
+    """
     rows = shortest_rows(*legs[:-1], branch=branch)
     result.reference_word[:] = rows.word
     _describe(legs.x.size, legs, result)
@@ -194,7 +205,10 @@ def _shortest_free(legs: PoseArrays, branch: str, result: FrameJudgement) -> _Be
 
 
 def _shortest_posed(legs: PoseArrays, branch: str, result: FrameJudgement) -> _Best:
-    """The shortest paths to the final headings; their words are written."""
+    """Shortest paths to the final headings.
+
+    Their words are written.
+    """
     rows = pose_rows(*legs, branch=branch)
     best = _Best(rows.word, _POSED, rows.length)
     segments = loop_input(rows.segments)
@@ -207,7 +221,10 @@ def _shortest_posed(legs: PoseArrays, branch: str, result: FrameJudgement) -> _B
 def _judge_nothing(
     gone: BoolArray, denied: Any, best: _Best, free: bool, result: FrameJudgement
 ) -> None:
-    """Judge rows without a path; `denied` says whether they claim that a word has none."""
+    """Judge rows without a path.
+
+    `denied` says whether they claim that a word has none.
+    """
     unknown = np.where(best.word == NO_PATH, _NONE_EXISTS, ODD)
     result.verdict[gone] = np.where(denied, unknown, _NONE)[gone]
     result.word[gone] = NO_WORD
@@ -241,7 +258,11 @@ _arrives = inlined(arrives)
 
 @inlined
 def _region_and_margin(X: float, Y: float, delta: float) -> tuple[int, float]:
-    """`shortest.region_of` as an index into `REGIONS`, and `shortest.margin_local`."""
+    """Region and margin of a target.
+
+    The region is that of `shortest.region_of` as an index into `REGIONS`, the margin that of
+    `shortest.margin_local`.
+    """
     y = abs(Y)
     near, far = y * (2.0 - y) - X * X, y * (2.0 + y) + X * X
     on_circle = (abs(near) <= delta) | (far <= delta)
@@ -287,9 +308,10 @@ def _name_rows(
     cut: float,
     names: CodeArray,
 ) -> None:
-    """Write what `Kind.words_of` calls paths that have the rates of the shortest ones.
+    """Write the words of paths, as `Kind.words_of` does.
 
-    `lengths` are those of their segments, shape (3, n).
+    The paths have the rates of the shortest ones. `lengths` are those of their segments, shape (3,
+    n).
     """
     for i in range(np.uint64(begin), np.uint64(end)):  # no index counts from the end
         code = best.first + best.word[i] if best.word[i] != NO_PATH else 0
@@ -321,9 +343,10 @@ def _judge_rows(
     limits: _Limits,
     result: FrameJudgement,
 ) -> None:
-    """Judge rows against the closed form, a chunk in loops that can be vectorised.
+    """Judge rows against the closed form.
 
-    Until they are known, the gap stands for the turn and the reference for the sum of all turns.
+    Each chunk is judged in loops that can be vectorised. At first the columns `gap` and `reference`
+    hold the turn and the sum of all turns.
     """
     x, y, heading, tx, ty, radius, final = legs
     verdict, length = result.verdict, result.length

@@ -1,1 +1,4 @@
-"""Kinds of questions: how each is recognised, answered, judged and drawn; one table of them."""
+"""Table of the kinds of questions.
+
+A kind states how a question is recognised, answered, judged and drawn.
+"""

@@ -1,4 +1,7 @@
-"""The convex problem that was frozen from a route, which its label names: it has no path."""
+"""Convex problems frozen from routes.
+
+The label names the problem. There is no path.
+"""
 
 from __future__ import annotations
 

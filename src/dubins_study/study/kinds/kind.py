@@ -1,4 +1,4 @@
-"""What a kind of question has to say of itself."""
+"""Facts and functions that a kind of question states."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ from dubins_study.study.words import Claim, Verdict
 
 
 class Reference(NamedTuple):
-    """What an answer is compared with.
+    """Reference that an answer is compared with.
 
-    Of a route the enclosure's one part is an interval that holds the shortest length; of one leg
+    For a route the enclosure's one part is an interval that holds the shortest length. For one leg
     its parts hold the shortest lengths for all data within delta.
     """
 
@@ -30,7 +30,10 @@ class Reference(NamedTuple):
 
 
 class Exact(NamedTuple):
-    """The shortest path, and a proven interval around its length (length unit)."""
+    """Shortest path with a proven interval.
+
+    The interval holds the shortest length (length unit).
+    """
 
     path: Path | None  # None where a branch has none
     low: float
@@ -38,7 +41,7 @@ class Exact(NamedTuple):
 
 
 class Arrived(NamedTuple):
-    """A path that arrives, as its verdict needs it."""
+    """A path that arrives, ready for its verdict."""
 
     path: Path
     branch: str
@@ -47,14 +50,17 @@ class Arrived(NamedTuple):
 
 
 class Found(NamedTuple):
-    """The verdict on a path that arrives, and columns of its judgement."""
+    """Verdict on an arriving path, with judgement columns."""
 
     verdict: Verdict
     columns: dict[str, Any]
 
 
 class Costates(NamedTuple):
-    """What Pontryagin's conditions say of a path, and its cut margin (rad); None where unknown."""
+    """Pontryagin's conditions of a path, and its cut margin.
+
+    The margin is in rad. A field is None where it is unknown.
+    """
 
     extremal: Extremal | None = None
     cut: float | None = None
@@ -62,28 +68,36 @@ class Costates(NamedTuple):
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Asked:
-    """How a question is recognised."""
+    """How a question of a kind is recognised."""
 
     name: str
-    title: str  # what a scenario of the kind is, in messages
-    task: str = ""  # what the kit's check of the kind looks at; empty: it has none of its own
-    fields: Mapping[str, bool]  # fields of a scenario that may be left out: whether they are given
+    title: str  # name of a scenario of the kind in messages
+    task: str = ""  # subject of the kit's check of the kind; empty: it has no such check
+    fields: Mapping[str, bool]  # optional fields of a scenario: whether they are given
     branches: tuple[str, ...]
-    examples: Mapping[str, Scenario] = field(default_factory=dict)  # that the kit asks, by name
+    examples: Mapping[str, Scenario] = field(default_factory=dict)  # the kit's questions, by name
 
     def matches(self, scenario: Scenario) -> bool:
-        """Whether a scenario gives the kind's fields, and leaves out those that it must."""
+        """Whether a scenario is of this kind.
+
+        It gives the kind's fields, and leaves out those that it must.
+        """
         return self.fits(scenario.given)
 
     def fits(self, given: tuple[bool, ...]) -> bool:
-        """As `matches`, from whether each of the fields of `OPTIONAL` is given."""
+        """Whether flags of given fields match this kind.
+
+        The flags say which of the fields of `OPTIONAL` are given (`Scenario.given`).
+        """
         has = dict(zip(OPTIONAL, given, strict=True))
         return all(has[name] == wanted for name, wanted in self.fields.items())
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Pathless(Asked):
-    """A kind whose answer is a point, not a path: it has a judge of its own.
+    """A kind whose answer is a point.
+
+    There is no path, and the kind has a judge of its own.
 
     Args:
         judge: judgement and certificate of a question's point.
@@ -97,10 +111,10 @@ class Kind(Asked):
     """A kind whose answer is a path.
 
     Args:
-        exact: the shortest path of a branch, found within about a limit (s).
+        exact: the shortest path of a branch, searched for during about a limit (s).
         prepare: makes `exact` ready, which may take seconds once.
-        exists: whether a branch has a path; of most kinds the best is the only one.
-        reference: what an answer of a branch is compared with.
+        exists: whether a branch has a path; by default every branch has one.
+        reference: the reference that an answer of a branch is compared with.
         known: columns of a judgement that only scenario and branch decide, if there are any.
         words_of: the word of a path, of its legs where it has several; from the path, the arc
             lengths of its via points, and the radius.
@@ -110,8 +124,8 @@ class Kind(Asked):
         by_interval: whether a proven interval alone proves a shortest path; else the path has to be
             an extremal too.
         searched: whether a reference is searched for, which takes longer than a formula.
-        need_of_rows: what a solver that answers whole frames must take to be given these rows;
-            empty where rows are asked one by one.
+        need_of_rows: the need that a solver which answers whole frames must take to be given
+            these rows; empty where rows are asked one by one.
         drawing: how the report draws a path: with its `circles`, or as a `route`.
     """
 

@@ -1,4 +1,7 @@
-"""One leg with a free final heading: the closed form, the region, and the cut."""
+"""One leg with a free final heading.
+
+It is answered by the closed form; its region and its cut are measured.
+"""
 
 from __future__ import annotations
 
@@ -48,7 +51,10 @@ def _to_any_heading(scenario: Scenario, branch: str) -> Reference:
 
 @lru_cache(maxsize=16384)
 def _optimum(scenario: Scenario, branch: str) -> tuple[Shortest | None, dict[str, Any]]:
-    """A question's shortest path, and the columns that only the question decides."""
+    """Shortest path of a question, with fixed columns.
+
+    Those are the columns that only the question decides.
+    """
     target = local(scenario)
     optimum = shortest_local(target, branch)
     return optimum, {
@@ -73,12 +79,13 @@ def _word_of(path: Path, at: Sequence[float], radius: float) -> str:
 
 
 def _verdict(scenario: Scenario, arrived: Arrived, tolerances: Tolerances) -> Found:
-    """The verdict on a path that arrives with any heading.
+    """Verdict on a path that arrives with any heading.
 
-    It is compared with the scenario's shortest length. Only a miss makes a shorter path possible:
-    it is compared with the shortest to where it ends, so that missing buys nothing. That is no
-    longer than the path itself, whatever side of a circle its end is rounded to. Where neither has
-    a path of the branch, a point of a turning circle within the miss may.
+    The path is compared with the scenario's shortest length. Only a miss makes a shorter path
+    possible. A shorter path is compared with the shortest path to its own end, so that missing
+    brings no advantage. That reference is never longer than the path itself, whatever side of a
+    circle the end is rounded to. Where neither target has a path of the branch, a point of a
+    turning circle within the miss may have one.
     """
     path, branch, seen, word = arrived
     length, radius, end = path.length, scenario.radius, seen.end
@@ -110,9 +117,9 @@ def _verdict(scenario: Scenario, arrived: Arrived, tolerances: Tolerances) -> Fo
 def _known_to_delta(
     scenario: Scenario, branch: str, length: float, reference: float, gap: float
 ) -> float:
-    """The reference that an answer is compared with, for data that are known to delta.
+    """Reference for data that are known to delta.
 
-    Of a longer answer that is the longest shortest length, over targets within delta, that is not
+    For a longer answer, it is the longest shortest length, over targets within delta, that is not
     above the answer's length.
     """
     allowed = gap * max(reference, scenario.radius)
@@ -121,13 +128,16 @@ def _known_to_delta(
     nearest = enclose(scenario, branch).nearest(length, allowed)
     if nearest is None:
         return reference
-    # what delta alone moves a length by is no reason for another reference
+    # a change of length by delta alone is no reason for another reference
     matters = length - nearest <= allowed or nearest - reference > allowed
     return nearest if matters else reference
 
 
 def _basins(optimum: Shortest | None) -> tuple[tuple[str, ...], tuple[float, ...]]:
-    """Words and net turns (rad) of the shortest path, if any, and, of a tie, its mirror image."""
+    """Words and net turns of the shortest path.
+
+    Turns are in rad. A tie adds the mirror image; without a path there are none.
+    """
     if optimum is None:
         return (), ()
     lengths = [length for length in optimum.segments if length > 0]
@@ -136,7 +146,10 @@ def _basins(optimum: Shortest | None) -> tuple[tuple[str, ...], tuple[float, ...
 
 
 def _costates(scenario: Scenario, path: Path, judged: Judgement, until: float) -> Costates:
-    """Of any path that can be driven: a path is an extremal to wherever it ends."""
+    """Costates and cut margin of a path.
+
+    Any path that can be driven is measured, since a path is an extremal to wherever it ends.
+    """
     if judged.length is None:
         return Costates()
     return Costates(*measure(path, scenario.radius, free=True))

@@ -1,4 +1,7 @@
-"""One leg with a given final heading: the closed form of six words."""
+"""One leg with a given final heading.
+
+It is answered by the closed form of six words.
+"""
 
 from __future__ import annotations
 
@@ -47,7 +50,7 @@ def _of_poses(start: Pose, end: Pose, radius: float, branch: str) -> Reference:
 
 
 def _nearest(enclosure: Enclosure, length: float, tolerance: float) -> Part:
-    """The nearest of the shortest lengths that the data within delta have."""
+    """Nearest shortest length for the data within delta."""
     nearest = enclosure.nearest(length, tolerance)
     assert nearest is not None  # one exists
     return nearest, nearest

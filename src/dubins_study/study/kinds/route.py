@@ -1,7 +1,7 @@
-"""Several legs through via points in their order: the search with a proof.
+"""Several legs through via points in their order.
 
-The modules of the search are imported where they are called: they load compiled code and SciPy's
-linear programs, which one leg needs none of.
+They are answered by the search with a proof. The modules of the search are imported where they are
+called. They load compiled code and SciPy's linear programs, which one leg does not need.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from dubins_study.study.rows.schema import Judgement
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.tolerances import Tolerances
 
-_SEARCH_SHARE = 0.8  # of the time that a check has left: what follows a search needs some too
+_SEARCH_SHARE = 0.8  # of the time that a check has left: the steps after a search need some too
 
 
 def _prepare() -> None:
@@ -37,9 +37,9 @@ def _exact(scenario: Scenario, branch: str, limit: float) -> Exact:
 
 
 def _reference(scenario: Scenario, branch: str, tolerances: Tolerances) -> Reference:
-    """The proven interval around the shortest length.
+    """Proven interval around the shortest length.
 
-    A search of the same route in this process, by whomever it was called, is not repeated.
+    If this process has searched the same route before, whoever asked, the search is not repeated.
     """
     for kind in (LEG, POSE):  # a path may visit all of its points where it starts or ends
         if kind.matches(scenario):
@@ -53,7 +53,10 @@ def _reference(scenario: Scenario, branch: str, tolerances: Tolerances) -> Refer
 
 
 def _interval(enclosure: Enclosure, length: float, tolerance: float) -> Part:
-    """The whole interval: with its lower end as the reference the gap is proven."""
+    """The whole interval as the compared lengths.
+
+    With its lower end as the reference the gap is proven.
+    """
     return enclosure.low, enclosure.high
 
 

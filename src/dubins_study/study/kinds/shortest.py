@@ -1,4 +1,7 @@
-"""The shortest route or tour of a scenario: the searches, in the scenario's own units."""
+"""Search for a scenario's shortest route or tour.
+
+Results are in the scenario's own units.
+"""
 
 from __future__ import annotations
 
@@ -14,9 +17,9 @@ from dubins_study.study.tour.search import Tour, search_tour
 from dubins_study.study.tour.stops import Stops
 from dubins_study.study.words import TURN, Order
 
-# A search is done when its interval is this narrow, of the route's length: a thousandth of what the
-# strictest profile asks for. Points in line, where lengths have cubic minima, take long to get to
-# less.
+# A search is done when its interval is this share of the route's length: a thousandth of the gap
+# that the strictest profile allows. Less would take long for points in line, where lengths have
+# cubic minima.
 _NARROW = 1e-9
 BOXES_A_SECOND = 100_000  # of one core of a server of 2026, which does 120 000 to 190 000
 _AS_LONG = 0.95  # of the seconds that are wanted
@@ -24,7 +27,10 @@ _MOST_KNOWN = 4096  # the cells of a run ask each question often, in shuffled or
 
 
 class _Searched(NamedTuple):
-    """The last search of a scenario, and what it took; infinite where more would change nothing."""
+    """Last search of a scenario, and its effort.
+
+    The effort is infinite where more would change nothing.
+    """
 
     route: ShortestRoute
     boxes: float = math.inf
@@ -35,7 +41,10 @@ _known: dict[Scenario, _Searched] = {}
 
 
 class ShortestRoute(NamedTuple):
-    """The best path found, and a proven interval around the shortest length (length unit)."""
+    """Best path of a search, with a proven interval.
+
+    The interval holds the shortest length (length unit).
+    """
 
     path: Path
     at: tuple[float, ...]  # the arc lengths on it at which its legs end, but for the last
@@ -44,12 +53,14 @@ class ShortestRoute(NamedTuple):
 
 
 def shortest_route(scenario: Scenario, limit: float, boxes: float = math.inf) -> ShortestRoute:
-    """Search for the shortest path through a scenario's points, anew whatever is known.
+    """Search for the shortest path through a scenario's points.
+
+    The search starts anew, even if a result is known.
 
     Args:
         scenario: a route, or a tour.
         limit: seconds.
-        boxes: how much it may do, as in `search`.
+        boxes: the most boxes that it may bound, as in `search`.
     """
     radius = scenario.radius
     points = (scenario.points - scenario.points[0]) / radius
@@ -104,12 +115,15 @@ def shortest_route(scenario: Scenario, limit: float, boxes: float = math.inf) ->
 
 
 def known_route(scenario: Scenario, search_s: float, seconds: float) -> ShortestRoute:
-    """What the last search of this process found, if that was as long as is wanted; or a search.
+    """Shortest route as far as it is known.
+
+    If the last search of this process was as long as is wanted, its result counts. Otherwise the
+    route is searched for.
 
     Args:
-        search_s: seconds of a machine that bounds `BOXES_A_SECOND`; the search ends after so many
+        search_s: seconds of a machine that bounds `BOXES_A_SECOND`. The search ends after that many
             boxes, so that the result is the same on a slower one.
-        seconds: after which it ends all the same. What was searched for as long is known.
+        seconds: the search ends after them in any case. A search that took as long is not repeated.
     """
     boxes = round(search_s * BOXES_A_SECOND)
     last = _known.get(scenario)

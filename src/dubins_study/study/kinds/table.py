@@ -1,4 +1,4 @@
-"""The kinds of questions, and which of them a question is."""
+"""Table of kinds, and the kind of each question."""
 
 from __future__ import annotations
 
@@ -35,7 +35,10 @@ EVERY_BRANCH = (*PATH_BRANCHES, *BRANCHES_WITHOUT_PATH)
 
 
 def kind_of(scenario: Scenario, branch: str = "best") -> Kind:
-    """The kind of a question whose answer is a path; of a branch of none, that of its scenario."""
+    """Kind of a question whose answer is a path.
+
+    If no kind of the scenario has the branch, it is the first kind that the scenario matches.
+    """
     return _kind(scenario.given, branch)
 
 
@@ -46,24 +49,30 @@ def _kind(given: tuple[bool, ...], branch: str) -> Kind:
 
 
 def pathless_kind_of(branch: str) -> Pathless | None:
-    """The kind of a branch that is no path; None if it is one."""
+    """Kind of a branch that has no path.
+
+    None if the branch has one.
+    """
     return next((kind for kind in PATHLESS if branch in kind.branches), None)
 
 
 def prepare(scenario: Scenario, branch: str) -> None:
-    """Make ready what the answer to a question needs, before its clock starts."""
+    """Prepare the answer to a question.
+
+    This takes place before the clock of the answer starts.
+    """
     if pathless_kind_of(branch) is None:
         kind_of(scenario, branch).prepare()
 
 
 def branches_of(scenario: Scenario) -> tuple[str, ...]:
-    """The branches that a scenario can be asked for."""
+    """Branches that a scenario can be asked for."""
     kinds = [kind for kind in EVERY_KIND if kind.matches(scenario)]
     return tuple(chain.from_iterable(kind.branches for kind in kinds))
 
 
 def rows_of(frame: pd.DataFrame, kind: Kind | Pathless) -> BoolArray:
-    """Which rows of a checked frame are of a kind."""
+    """Mask of a checked frame's rows of a kind."""
     rows = np.ones(len(frame), np.bool_)
     for name, given in kind.fields.items():
         rows &= _GIVEN[name](frame) == given
@@ -90,5 +99,8 @@ _GIVEN: dict[str, Callable[[pd.DataFrame], BoolArray]] = {
 def reference_of(
     scenario: Scenario, branch: str = "best", tolerances: Tolerances = DEFAULT
 ) -> Reference:
-    """The reference of a scenario's branch; nothing that a solver says enters."""
+    """Reference of a scenario's branch.
+
+    No solver's answer enters it.
+    """
     return kind_of(scenario, branch).reference(scenario, branch, tolerances)

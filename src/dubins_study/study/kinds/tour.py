@@ -1,4 +1,7 @@
-"""Via points in any order, then the target if there is one: the search over orders with a proof."""
+"""Tours: via points in any order.
+
+The target comes last, if there is one. The search over orders gives a proof.
+"""
 
 from __future__ import annotations
 

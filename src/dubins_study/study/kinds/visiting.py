@@ -1,4 +1,7 @@
-"""What kinds share whose paths meet points or headings, and whose references are intervals."""
+"""Verdict on paths that meet points or headings.
+
+The kinds with such paths share it. Their references are intervals.
+"""
 
 from __future__ import annotations
 
@@ -11,8 +14,8 @@ from dubins_study.study.scenario import Scenario
 from dubins_study.study.tolerances import Tolerances
 from dubins_study.study.words import Verdict
 
-# By how much the optimal length may change per shift of the target, at least: it does by 1 where
-# the path ends straight, and more near a turning circle, where that changes within the shift.
+# Change of the optimal length that is allowed for, per shift of the target. It is 1 where the path
+# ends straight, and more near a turning circle, where the change itself varies within the shift.
 _STEEP = 10.0
 
 
@@ -24,10 +27,10 @@ def verdict(
     reference_of: Callable[[Scenario, str, Tolerances], Reference],
     compared: Callable[[Enclosure, float, float], Part],
 ) -> Found:
-    """The verdict on a path that arrives.
+    """Verdict on a path that arrives.
 
-    It is compared with the scenario's reference. Only if it is shorter by more than what it misses
-    its points by explains, it is compared with that of the points that it visits.
+    The path is compared with the scenario's reference. If it is shorter by more than its misses
+    explain, it is compared with the reference of the points that it visits.
 
     Args:
         scenario, arrived, tolerances: as `Kind.verdict` has them.

@@ -1,1 +1,4 @@
-"""Routes through points in a given order: proven bounds of their length, and the search."""
+"""Routes through points in a given order.
+
+It holds proven bounds of their length, and the search.
+"""

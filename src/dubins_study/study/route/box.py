@@ -1,17 +1,17 @@
-"""A box of headings, and what bounds of all words over it have in common.
+"""A box of headings, and its bounds' common parts.
 
 Everything is in units of the turning radius. For a costate nu any path of a leg is as long as
 
     nu . P + integral of (1 - nu . e(theta)) ds,    P the way from its start to its end.
 
-Along a word of turns and a straight the integral is a function of the first heading, one of the
-last, and a rest. Less mu times each segment that is near its end, mu >= 0, it is no longer than the
-path; nu and mu are chosen so that the rest is of second order and that neither heading is worth a
-change. Hence a bound of each word over the box is a constant and two minima over one heading each,
-taken in closed form, less a bound of the rest (docs/derivation.md, section 16).
+Along a word of turns and a straight the integral is the sum of a function of the first heading, one
+of the last, and a rest. Less mu times each segment that is near its end, mu >= 0, it is no longer
+than the path. nu and mu are chosen so that the rest is of second order and that neither heading is
+worth a change. Hence a bound of each word over the box is a constant and two minima over one
+heading each, taken in closed form, less a bound of the rest (docs/derivation.md, section 16).
 
 The words here begin with a turn to the left; others are their mirror images. Ranges that decide
-which paths count are widened by `SLACK`: more paths than there are only lower a bound.
+which paths count are widened by `SLACK`: paths that do not exist can only lower a bound.
 """
 
 from __future__ import annotations
@@ -26,15 +26,18 @@ from dubins_study.study.route.leg_words import between
 
 _PI = math.pi
 SLACK = 1e-13
-LONGEST_COSTATE = 20.0  # that of LRL is 1 / |cos psi| long; longer ones than this are not needed
+# a costate of LRL has the length 1 / |cos psi|; longer ones than this are not needed
+LONGEST_COSTATE = 20.0
 START_LEFT, START_RIGHT, END_LEFT, END_RIGHT, START_HALF, END_HALF = 1, 2, 4, 8, 16, 32
 
 
 class Box(NamedTuple):
-    """A leg and an interval of headings at each of its ends, with the slope of the potential there.
+    """A leg and the headings at its ends.
 
     The leg ends at (x, y), seen from its start. The intervals have middles c and half widths h
-    (rad); what is bounded is the length plus slope1 (theta1 - c1) less slope2 (theta2 - c2).
+    (rad). Each end has the slope of the potential there. The bounded quantity is the length plus
+    slope1 (theta1 - c1) less slope2 (theta2 - c2).
+
     `apart` tells the circles of one end on which the point of the other lies, where no pair of
     headings in the box is that of an arc: a sum of `START_LEFT` and its like, with `START_HALF` or
     `END_HALF` if the arc is half a turn.
@@ -52,7 +55,10 @@ class Box(NamedTuple):
 
 
 class Costate(NamedTuple):
-    """A costate, by length and direction, and the multipliers of the first and the last arc."""
+    """A costate and the multipliers of the outer arcs.
+
+    The costate is given by length and direction.
+    """
 
     length: float
     direction: float
@@ -61,20 +67,23 @@ class Costate(NamedTuple):
 
 
 class Circles(NamedTuple):
-    """The way from the first arc's centre to the last one's: at the box's middle, and its range."""
+    """Way from the first arc's centre to the last.
+
+    It is given at the box's middle, with its range over the box.
+    """
 
     dx: float
     dy: float
     nearest: float
     farthest: float
-    along: float  # how far it may change along itself, and across
+    along: float  # largest change of the way along itself, and across
     across: float
     turned: float  # rad to either side
 
 
 @separate
 def mirrored(box: Box) -> Box:
-    """The box whose paths are the mirror images of this one's."""
+    """Box whose paths are the mirror images."""
     left, halves = START_LEFT | END_LEFT, box.apart & (START_HALF | END_HALF)
     apart = 2 * (box.apart & left) + (box.apart // 2 & left) + halves
     return Box(box.x, -box.y, -box.c1, box.h1, -box.slope1, -box.c2, box.h2, -box.slope2, apart)
@@ -101,9 +110,10 @@ def circles_of(box: Box, last: float) -> Circles:
 def least_between(
     m: float, first: float, last: float, rho: float, kappa: float, mu: float, floor: float
 ) -> tuple[float, float]:
-    """Least x + rho sin x - kappa (x - m) - mu x over [first, last], and its x - m.
+    """Least value of a function over [first, last].
 
-    Below `floor` the first two terms are what they are there.
+    The function is x + rho sin x - kappa (x - m) - mu x. Below `floor` the first two terms keep the
+    value that they have there. The x - m of the least value is returned too.
     """
     best, place = math.inf, first
     cosine = (kappa + mu - 1.0) / rho
@@ -131,9 +141,10 @@ def _least(
     mu: float,
     floor: float,
 ) -> tuple[float, float]:
-    """`least_between` over all x in `within` that are within `half` of m, infinite for none.
+    """`least_between` over all intervals around m.
 
-    m is `middle` or differs from it by whole turns.
+    x is in `within` and within `half` of m, where m is `middle` or differs from it by whole turns.
+    The value is infinite if there is no such x.
     """
     low, high = within
     best, place = math.inf, 0.0
@@ -155,7 +166,9 @@ def separated(
     within2: tuple[float, float],
     floor: float,
 ) -> tuple[float, float, float]:
-    """A bound but for the rest, and the headings, less the middles, where it is attained.
+    """Bound without the rest, and where it is attained.
+
+    The place is given as the two headings less their middles.
 
     The angles x = phi - theta1 - pi of the first arc and last (theta2 - phi) - pi of the last one,
     phi the costate's direction, count in the ranges that are given.
@@ -171,7 +184,10 @@ def separated(
 
 @separate
 def rounding(box: Box, size: float) -> float:
-    """More than the rounding of a bound whose costate and multipliers have this size in all."""
+    """Upper limit of a bound's rounding error.
+
+    `size` is the sum of the sizes of its costate and multipliers.
+    """
     return EPS * (
         8.0 * size * (abs(box.x) + abs(box.y))
         + 100.0 * (2.0 + 2.0 * size + abs(box.slope1) + abs(box.slope2))
@@ -180,10 +196,11 @@ def rounding(box: Box, size: float) -> float:
 
 @separate
 def turning_bound(box: Box, low: float) -> float:
-    """Least T + slope1 t1 - slope2 t2, T = theta2 - theta1 and whole turns, not below `low`.
+    """Least turning over the box, with the potential.
 
-    The turning of the first and last arc of LSL is such a T, and so is that of LRL less its middle
-    arc's.
+    It is the least T + slope1 t1 - slope2 t2. T is theta2 - theta1 plus whole turns, and not below
+    `low`. The turning of the first and last arc of LSL is such a T, and so is that of LRL less its
+    middle arc's.
     """
     middle, half = box.c2 - box.c1, box.h1 + box.h2 + SLACK
     middle += TWO_PI * math.ceil((low - half - middle) / TWO_PI)

@@ -1,6 +1,7 @@
-"""Lower bounds of LSL and LSR over a box of headings, on edges where a straight or an arc vanishes.
+"""Lower bounds of LSL and LSR over a box.
 
-The identities are equations 18, 18a, 20 and 20a of docs/derivation.md.
+They hold on edges too, where a straight or an arc vanishes. The identities are equations 18, 18a,
+20 and 20a of docs/derivation.md.
 """
 
 from __future__ import annotations
@@ -28,12 +29,15 @@ from dubins_study.study.route.box import (
 from dubins_study.study.route.leg_words import between, principal, straight_direction
 
 _PI = math.pi
-_SHORTEST_STRAIGHT = 0.05  # below it the direction of S is not bounded by its derivative
+_SHORTEST_STRAIGHT = 0.05  # radii; for a shorter S the derivative does not bound its direction
 
 
 @separate
 def _seen(circles: Circles, heading: float) -> tuple[float, float]:
-    """How far the last centre is ahead of the first one and to its left, seen along a heading."""
+    """Position of the last centre from the first.
+
+    Distances ahead and to the left, seen along a heading.
+    """
     cosine, sine = math.cos(heading), math.sin(heading)
     ahead = circles.dx * cosine + circles.dy * sine
     return ahead, circles.dy * cosine - circles.dx * sine
@@ -41,9 +45,10 @@ def _seen(circles: Circles, heading: float) -> tuple[float, float]:
 
 @separate
 def _apex_bound(box: Box, circles: Circles) -> float:
-    """A bound of LSL where S may vanish and its direction phi is open.
+    """Bound of LSL where S may vanish.
 
-    The rest is S (1 - nu . e(phi)), with phi between both headings unless an arc has a turn more.
+    The direction phi of S is open. The rest is S (1 - nu . e(phi)), with phi between both headings
+    unless an arc has a turn more.
     """
     # nu . e(theta1) = 1 - slope1 and nu . e(theta2) = 1 - slope2 make the bound flat
     flat1, flat2 = 1.0 - box.slope1, 1.0 - box.slope2
@@ -60,7 +65,7 @@ def _apex_bound(box: Box, circles: Circles) -> float:
     total = box.c2 + box.h2 + SLACK - first
     whole = -math.floor(total / TWO_PI)
     total += TWO_PI * whole
-    # S sin a and S sin c: what is left of S's direction of each heading
+    # S sin a and S sin c: the part of S to the left of each heading's direction
     farthest = circles.farthest
     sine = abs(math.sin(box.c2 - box.c1))
     bent = 0.5 * (1.0 + farthest) * (box.h1 + box.h2) ** 2 + SLACK
@@ -73,10 +78,10 @@ def _apex_bound(box: Box, circles: Circles) -> float:
         total -= _PI
     if long2 or -left2 + abs(along2) * box.h2 + sine * box.h1 + bent < 0.0:
         total -= _PI
-    # the angle from the first such direction to nu, and the nearest that S comes to nu
+    # angle from the first such direction to nu, and least angle between S and nu
     after = nu - first - TWO_PI * math.floor((nu - first) / TWO_PI)
     away = 0.0 if after <= total else min(after - total, TWO_PI - after)
-    # of both arcs any angle in the box
+    # both arcs may have any angle in the box
     m1, m2 = nu - _PI - box.c1, box.c2 - nu - _PI
     within1, within2 = (m1 - box.h1, m1 + box.h1), (m2 - box.h2, m2 + box.h2)
     best = -math.inf
@@ -92,7 +97,10 @@ def _apex_bound(box: Box, circles: Circles) -> float:
 
 @separate
 def _long_arcs(box: Box, last: float) -> tuple[bool, bool]:
-    """Whether the first and the last arc of LSL or LSR are known to be above pi."""
+    """Whether the outer arcs are known above pi.
+
+    Two flags, for the first and the last arc of LSL or LSR.
+    """
     if last > 0.0:
         return box.apart & END_LEFT > 0, box.apart & START_LEFT > 0
     half1 = box.apart & START_RIGHT > 0 and box.apart & START_HALF > 0
@@ -103,7 +111,9 @@ def _long_arcs(box: Box, last: float) -> tuple[bool, bool]:
 def _straight_bound(
     box: Box, last: float, direction: float, least: float, most: float, straight: float
 ) -> tuple[float, float, float]:
-    """A bound of LSL or LSR whose costate has length 1, and the headings where it is attained.
+    """Bound of LSL or LSR by a unit costate.
+
+    The headings where it is attained are returned too, less the middles of their intervals.
 
     Args:
         least, most: bounds of the straight's direction less `direction`.
@@ -118,7 +128,7 @@ def _straight_bound(
     else:
         w = max(0.0, -least)
         error = max(0.0, 2.0 * (w - math.sin(w)) - straight * (1.0 - math.cos(w)))
-    # an arc that would be driven backwards for a bit makes up for it in the straight
+    # the straight makes up for an arc that would be driven backwards for a bit
     turned = max(most, -least)
     floor = -_PI if last < 0.0 or (straight >= 0.4 * turned and turned <= 1.0) else -math.inf
     nu = Costate(1.0, direction, 0.0, 0.0)
@@ -130,15 +140,15 @@ def _straight_bound(
 def _touching_bound(
     box: Box, circles: Circles, tau: float, mu: float, end: int, short: float
 ) -> float:
-    """A bound of LSR in boxes in which the straight may vanish.
+    """Bound of LSR where the straight may vanish.
 
     Args:
         tau: multiplier of the condition that the circles are not nearer than 2; if it is negative,
             of the one that the line at the end of a short arc does not cut the other arc's circle.
         mu: multiplier of the short arc.
         end: 0 if the first arc is known to be short, 1 if the last one is, -1 for neither.
-        short: bound of that arc less what the direction of S adds; if negative, arcs there above pi
-            count instead of those below it.
+        short: bound of that arc less the part that the direction of S adds; if negative, arcs there
+            above pi count instead of those below it.
     """
     # e points where S would if the circles touched; E is the way between the centres along it
     direction = math.atan2(circles.dy, circles.dx) + 0.5 * _PI
@@ -175,7 +185,10 @@ def _touching_bound(
 
 @separate
 def _edge_bound(box: Box, circles: Circles) -> float:
-    """A bound of LSR in boxes in which the straight may vanish, and one of the arcs with it."""
+    """Bound of LSR where two segments may vanish.
+
+    They are the straight and one of the arcs.
+    """
     direction = math.atan2(circles.dy, circles.dx) + 0.5 * _PI
     arcs = (direction - box.c1, direction - box.c2)
     slopes = (box.slope1, -box.slope2)
@@ -207,7 +220,10 @@ def _edge_bound(box: Box, circles: Circles) -> float:
 def _short_bound(
     box: Box, circles: Circles, tau: float, mu: float, end: int, short: float
 ) -> float:
-    """`_touching_bound` with multipliers for an arc that is short, if it is not nearly a turn."""
+    """`_touching_bound` with multipliers for a short arc.
+
+    The arc is short, or nearly a full turn; the bound holds for both.
+    """
     return min(
         _touching_bound(box, circles, tau, mu, end, short),
         _touching_bound(box, circles, 0.0, 0.0, end, -1.0),
@@ -216,7 +232,10 @@ def _short_bound(
 
 @separate
 def csc_bound(box: Box, last: float, enough: float) -> float:
-    """A bound of LSL (`last` = 1) or LSR (-1); one above `enough` is not made better."""
+    """Bound of LSL (`last` = 1) or LSR (-1).
+
+    A bound above `enough` is not improved further.
+    """
     if last < 0.0 and box.apart & (START_LEFT | END_RIGHT):
         return math.inf
     long1, long2 = _long_arcs(box, last)
@@ -230,7 +249,7 @@ def csc_bound(box: Box, last: float, enough: float) -> float:
             return math.inf
         straight = math.sqrt(max(straight * straight - 4.0, 0.0))
         farthest = math.sqrt(circles.farthest * circles.farthest - 4.0)
-        # rounding moves both by 1e-8 where the circles touch: they have to be of one computation
+        # rounding moves both by 1e-8 where the circles touch: one computation has to give both
         middle = direction - math.atan2(circles.dy, circles.dx)
         below += middle - math.atan2(2.0, farthest) + SLACK
         above += math.atan2(2.0, straight) - middle + SLACK

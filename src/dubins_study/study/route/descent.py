@@ -1,7 +1,8 @@
-"""A short route by local search: the upper bound of the certified search.
+"""Shorten a route by local search.
 
-Newton's method on the tridiagonal Hessian where no word changes, finer and finer grids where one
-does. Everything is in units of the turning radius.
+Its length is the upper bound of the certified search. Newton's method on the tridiagonal Hessian is
+used where no word changes, finer and finer grids where one does. Everything is in units of the
+turning radius.
 """
 
 from __future__ import annotations
@@ -21,12 +22,12 @@ from dubins_study.study.route.leg_bound import WordArray
 
 _FINE, _FINEST = 1e-6, 1e-13  # rad, of grids
 _LARGEST_STEP = 0.3  # rad, of Newton's method
-_BESIDE_ARC = 1e-6  # rad; more than the root of what a leg's data are rounded by
+_BESIDE_ARC = 1e-6  # rad; more than the square root of the rounding of a leg's data
 
 
 @compiled
 def route_length(legs: FloatArray, headings: FloatArray) -> float:
-    """The length of the route with these headings."""
+    """Length of the route with these headings."""
     total = 0.0
     for i in range(legs.shape[0]):
         total += shortest_leg(legs[i, 0], legs[i, 1], headings[i], headings[i + 1])[0]
@@ -35,7 +36,10 @@ def route_length(legs: FloatArray, headings: FloatArray) -> float:
 
 @compiled
 def route_words(legs: FloatArray, headings: FloatArray) -> tuple[WordArray, FloatArray]:
-    """The word of each leg, shape (n,), and its segments, shape (n, 3)."""
+    """Words of the legs, and their segments.
+
+    Shapes (n,) and (n, 3).
+    """
     n = legs.shape[0]
     words, segments = np.empty(n, np.int8), np.empty((n, 3))
     for i in range(n):
@@ -46,7 +50,10 @@ def route_words(legs: FloatArray, headings: FloatArray) -> tuple[WordArray, Floa
 
 @compiled
 def newton(legs: FloatArray, headings: FloatArray, free: BoolArray) -> bool:
-    """Newton's method from headings, in place; whether it came to rest at a local minimum."""
+    """Move headings by Newton's method, in place.
+
+    Returns whether they came to rest at a local minimum.
+    """
     n = legs.shape[0]
     slope, diagonal, beside = np.empty(n + 1), np.empty(n + 1), np.empty(n + 1)
     for _ in range(40):
@@ -69,10 +76,10 @@ def newton(legs: FloatArray, headings: FloatArray, free: BoolArray) -> bool:
                 slope[i], diagonal[i], beside[i] = 0.0, 1.0, 0.0
                 if i > 0:
                     beside[i - 1] = 0.0
-        # a straight's free end is reached like a cubic's minimum: by halves
+        # at a straight's free end the length is like a cubic at its minimum: a step goes halfway
         if np.abs(slope).max() < 1e-13:
             return True
-        # elimination without pivots: the matrix is positive definite where all of them are
+        # elimination without pivoting: the matrix is positive definite if all pivots are positive
         for i in range(n + 1):
             if i > 0:
                 factor = beside[i - 1] / diagonal[i - 1]
@@ -93,9 +100,10 @@ def newton(legs: FloatArray, headings: FloatArray, free: BoolArray) -> bool:
 
 
 def _on_arcs(headings: FloatArray, arc_ends: Sequence[FloatArray]) -> tuple[FloatArray, BoolArray]:
-    """The headings, which are those of arcs where they are beside them, and which are others.
+    """Headings moved onto nearby arcs.
 
-    Beside an arc's end none but rounding lets a path be.
+    The mask says which headings are not on an arc. A path beside an arc's end is there only because
+    of rounding.
     """
     moved, others = headings.copy(), np.ones(headings.size, np.bool_)
     for i, ends in enumerate(arc_ends):
@@ -116,9 +124,9 @@ def downhill(
     best: float,
     effort: Effort,
 ) -> FloatArray:
-    """The headings of the shortest route found downhill from one.
+    """Headings of the shortest route downhill from one.
 
-    A route that is not about to be shorter than `best` stays as it is on a coarse grid.
+    If the route is unlikely to become shorter than `best`, it is improved on a coarse grid only.
 
     Args:
         legs: from each point to the next, shape (n, 2).
@@ -134,14 +142,14 @@ def downhill(
     if rests and (np.hypot(*legs.T) >= 4.0).all():  # nothing jumps: a grid finds nothing better
         return smooth
     others, before = free, np.zeros(0, np.bool_)
-    while not np.array_equal(others, before):  # what is on an arc stays there
+    while not np.array_equal(others, before):  # a heading on an arc stays there
         before = others
         shorten(legs, gridded, before, (width, _FINE), effort)
         gridded, off_arcs = _on_arcs(gridded, arc_ends)
         others = free & off_arcs
     if route_length(legs, gridded) < best + 2.0 * _FINE * len(legs):
         shorten(legs, gridded, others, (_FINE, _FINEST), effort)
-        # lengths tell headings to the root of their rounding only
+        # lengths determine headings only to the square root of their rounding
         words, segments = route_words(legs, gridded)
         inner = np.where(words[:, None] < 4, segments[:, 1:2], segments).min(axis=1) > _FINE
         others[:-1] &= inner

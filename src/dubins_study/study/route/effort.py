@@ -1,4 +1,7 @@
-"""How much a search may do: so many boxes, whatever the machine, and so many seconds."""
+"""Limit how much a search may do.
+
+The limits are a number of boxes, which is the same on every machine, and a number of seconds.
+"""
 
 from __future__ import annotations
 
@@ -8,12 +11,18 @@ from time import perf_counter
 
 
 class SpentError(Exception):
-    """The effort is spent; the search ends with what it has."""
+    """The effort is spent.
+
+    The search ends with the result that it has.
+    """
 
 
 @dataclass
 class Effort:
-    """What a search may spend, and has spent, in boxes that it bounds or work of their size."""
+    """Limits of a search, and what it has spent.
+
+    It counts boxes that the search bounds, or work that takes as long.
+    """
 
     boxes: float = math.inf
     seconds: float = math.inf
@@ -26,17 +35,28 @@ class Effort:
         return perf_counter() - self.began > self.seconds
 
     def spend(self, boxes: int) -> bool:
-        """Count some more, unless all is spent; whether it is."""
+        """Count some boxes, unless all is spent.
+
+        Returns whether all is spent.
+        """
         over = self.spent >= self.boxes or self.late
         self.spent += 0 if over else boxes
         return over
 
     def spend_or_end(self, boxes: float) -> None:
-        """Count some more; raise `SpentError` if all is spent."""
+        """Count some boxes, or end the search.
+
+        Raises:
+            SpentError: if all is spent.
+        """
         if self.spend(math.ceil(boxes)):
             raise SpentError
 
     def look_at_the_clock(self) -> None:
-        """Raise `SpentError` if the seconds are over."""
+        """End the search if the seconds are over.
+
+        Raises:
+            SpentError: if they are.
+        """
         if self.late:
             raise SpentError

@@ -1,8 +1,8 @@
-"""Dynamic programs over a few headings a point, of a grid and of edges where a leg loses a segment.
+"""Shorten a route by dynamic programs over headings.
 
-Done again and again, on finer grids about the best headings, they shorten a route. One that runs
-out of time moves the headings up to where it has come. Everything is in units of the turning
-radius.
+Each point has a few headings: those of a grid, and those of edges, where a leg loses a segment. The
+programs are repeated on finer grids about the best headings. A program that runs out of time moves
+the headings up to the leg that it has reached. Everything is in units of the turning radius.
 """
 
 from __future__ import annotations
@@ -24,14 +24,14 @@ from dubins_study.study.route.leg_words import principal
 _PI = math.pi
 _ALL = 48  # headings of the whole circle
 _FINER = 0.5  # of one grid's width to the next
-_STEP_BOXES, _SURVEY_BOXES = 3, 400  # a leg: how many bounds take as long as a step of the search
-_UNEQUAL = 0.1  # radii; costs of one point's headings that differ by less exclude none
+_STEP_BOXES, _SURVEY_BOXES = 3, 400  # boxes a leg that take as long as a step, or as a survey
+_UNEQUAL = 0.1  # radii; if the costs of a point's headings differ by less, none is skipped
 _PAIRS_AT_ONCE = 100_000  # a few hundredths of a second between looks at the clock
-_CHAIN_NONE, _CHAIN_ARCS, _CHAIN_ALL = range(3)  # from which headings pairs of arcs are followed
+_CHAIN_NONE, _CHAIN_ARCS, _CHAIN_ALL = range(3)  # headings from which pairs of arcs are followed
 
 
 class Grid(NamedTuple):
-    """The headings that a dynamic program has at each point.
+    """Headings that a dynamic program has at each point.
 
     Args:
         side: on each side of the point's own heading.
@@ -54,7 +54,10 @@ _COARSE_GRID = Grid(side=6, most=21, reach=math.inf, chained=_CHAIN_NONE)
 
 @separate
 def shortest_leg(x: float, y: float, a: float, b: float) -> tuple[float, int, float, float, float]:
-    """Length, word and segments of a leg, whose data are rounded: on an edge it has both words."""
+    """Length, word and segments of a leg.
+
+    Its data count as rounded, so that on an edge both words exist.
+    """
     size = abs(x) + abs(y)
     return pose_shortest(x, y, a, b, pose_delta(size, size))
 
@@ -63,7 +66,10 @@ def shortest_leg(x: float, y: float, a: float, b: float) -> tuple[float, int, fl
 def leg_table(
     leg: FloatArray, first: FloatArray, last: FloatArray, live: WordArray
 ) -> tuple[FloatArray, WordArray]:
-    """Lengths and words of a leg for all live pairs of headings, of shape (first, last)."""
+    """Lengths and words for all live pairs of headings.
+
+    Shape (first, last).
+    """
     lengths, words = np.full(live.shape, math.inf), np.zeros(live.shape, np.int8)
     for i in range(first.size):
         for j in range(last.size):
@@ -76,14 +82,16 @@ def leg_table(
 
 @separate
 def _touching_headings(x: float, y: float, heading: float, back: bool, found: FloatArray) -> int:
-    """Headings at the other end of a leg for which two arcs are a path of it; how many there are.
+    """Headings for which two arcs are the leg.
+
+    They are those at the leg's other end. Returns how many there are.
 
     Args:
         x, y: the leg's end, seen from its start.
         heading: at its start, or at its end if `back`.
         found: written, shape (4,).
     """
-    if back:  # driven backwards the leg is one too
+    if back:  # a leg driven backwards is a leg too
         x, y, heading = -x, -y, heading + _PI
     n = 0
     for turn in (1.0, -1.0):
@@ -101,7 +109,10 @@ def _touching_headings(x: float, y: float, heading: float, back: bool, found: Fl
 
 @separate
 def _arc_headings(x: float, y: float, end: bool, found: FloatArray) -> int:
-    """Headings at one end of a leg, its start or its `end`, for which it is one arc."""
+    """Headings for which one arc is the leg.
+
+    They are those at the leg's start, or at its end if `end`. Returns how many there are.
+    """
     d = math.hypot(x, y)
     if d > 2.0:
         return 0
@@ -114,7 +125,11 @@ def _arc_headings(x: float, y: float, end: bool, found: FloatArray) -> int:
 
 @separate
 def _add(headings: FloatArray, n: int, others: FloatArray, m: int, reach: float) -> int:
-    """Add those of m headings that are within reach of the first to the n that are there."""
+    """Add the headings that are within reach.
+
+    `others` holds m headings, and `headings` n; the first of these is the middle. Returns the new
+    number of headings.
+    """
     for k in range(m):
         off = principal(others[k] - headings[0])
         if n < headings.size and abs(off) <= reach:
@@ -127,10 +142,11 @@ def _add(headings: FloatArray, n: int, others: FloatArray, m: int, reach: float)
 def _candidates(
     legs: FloatArray, headings: FloatArray, free: BoolArray, width: float, back: bool, grid: Grid
 ) -> tuple[FloatArray, IntArray]:
-    """The headings at each point that a dynamic program chooses from, and how many there are.
+    """Headings at each point for a dynamic program.
 
-    They are those of a grid, and those of edges: where a leg is one arc, or two arcs from one of
-    the headings at the point before (after it, if `back`), so that a chain of edges is followed.
+    Their numbers are returned too. They are the headings of a grid, and those of edges: where a leg
+    is one arc, or two arcs from one of the headings at the point before (after it, if `back`), so
+    that a chain of edges is followed.
     """
     n, reach = legs.shape[0], grid.reach * width
     tried, sizes = np.empty((n + 1, grid.most)), np.empty(n + 1, np.int64)
@@ -160,10 +176,10 @@ def _candidates(
 def _chained(
     legs: FloatArray, tried: FloatArray, sizes: IntArray, cost: FloatArray, before: IntArray
 ) -> FloatArray:
-    """The least cost of chains that go on from `cost` over some legs; `before` is written.
+    """Least cost of chains extended over some legs.
 
-    A heading from which even a straight leg is longer than the chain of the cheapest heading is
-    passed over.
+    `cost` is that of the chains up to the first leg; `before` is written. A heading is skipped if
+    even a straight leg from it is longer than the chain of the cheapest heading.
     """
     for i in range(legs.shape[0]):
         x, y = legs[i, 0], legs[i, 1]
@@ -196,9 +212,10 @@ def _step(
     grid: Grid,
     effort: Effort,
 ) -> bool:
-    """Move to the best chain of some headings a point; whether any has changed.
+    """Move a route to the best chain of headings.
 
-    Out of time, the headings behind the last leg that was reached stay as they are.
+    Returns whether any heading has changed. Out of time, the headings behind the last leg that was
+    reached stay as they are.
     """
     n = len(legs)
     tried, sizes = _candidates(legs, headings, free, width, back, grid)
@@ -228,9 +245,10 @@ def shorten(
     widths: tuple[float, float],
     effort: Effort,
 ) -> None:
-    """Shorten a route in place, on grids about its headings and along the edges near them.
+    """Shorten a route in place, on finer grids.
 
-    The distance of the headings of a grid goes from the first to the second of `widths` (rad).
+    Grids lie about the headings, with the edges near them. The distance of a grid's headings goes
+    from the first to the second of `widths` (rad).
     """
     width, finest = widths
     while width > finest:
@@ -248,7 +266,10 @@ def shorten(
 
 
 def survey(legs: FloatArray, headings: FloatArray, free: BoolArray, effort: Effort) -> None:
-    """Set free headings to the best chain of a grid of the whole circle and of many edges."""
+    """Set free headings to the best wide chain.
+
+    The chain is the best on a grid of the whole circle and on many edges.
+    """
     for back in (False, True):
         if not effort.spend(_SURVEY_BOXES * len(legs)):
             width = TWO_PI / _ALL
@@ -256,11 +277,12 @@ def survey(legs: FloatArray, headings: FloatArray, free: BoolArray, effort: Effo
 
 
 def first_route(legs: FloatArray, given: Sequence[float | None], effort: Effort) -> FloatArray:
-    """Headings of a good route, in a time that is linear in the number of points.
+    """Headings of a good first route.
 
-    Headings that bisect the chords of their neighbours, and of these, of a coarse grid and of
-    single arcs to a neighbour the best chain. Where points are dense, a heading that is off costs
-    a full turn at each of them.
+    The time is linear in the number of points. The choices are headings that bisect the chords of
+    their neighbours, those of a coarse grid, and those of single arcs to a neighbour; the best
+    chain of them is taken. Where points are dense, a heading that is off costs a full turn at each
+    of them.
 
     Args:
         legs: from each point to the next, shape (n, 2).

@@ -1,8 +1,8 @@
-"""The intervals of headings that the certified search begins with.
+"""First intervals of headings for the certified search.
 
 They cover the circle at each point. A point may lie on the turning circle of a heading that is
-given: then only one heading there is the end of an arc, which has an interval of its own, and of
-all other pairs of headings it is known which words they have not (docs/derivation.md, section 16).
+given. Then only one heading there is the end of an arc, and it has an interval of its own. For all
+other pairs of headings it is known which words they cannot have (docs/derivation.md, section 16).
 Everything is in units of the turning radius, headings in radians.
 """
 
@@ -30,12 +30,16 @@ from dubins_study.study.route.leg_bound import WordArray
 
 COARSE = 16  # intervals at each point to begin with
 OVERLAP = 1e-14  # rad; more than the rounding of an interval's ends
-_ON_CIRCLE = 16.0 * EPS  # square radii; what rounding may move a point off a turning circle
+# square radii; more than rounding changes the power of a point to a turning circle
+_ON_CIRCLE = 16.0 * EPS
 _ONE_HEADING = 2e-15  # rad; more than the rounding of a heading to which an arc leads
 
 
 class Intervals(NamedTuple):
-    """The intervals of headings at a point: middles, halves of widths, slopes of the potential."""
+    """Intervals of headings at a point.
+
+    Their middles, halves of their widths, and slopes of the potential.
+    """
 
     middle: FloatArray
     half: FloatArray
@@ -43,7 +47,10 @@ class Intervals(NamedTuple):
 
 
 class _Arc(NamedTuple):
-    """One arc between neighbouring points, from a heading that is known to the only one it has."""
+    """An arc between neighbouring points.
+
+    It leads from a known heading to the only one that it can end with.
+    """
 
     ends: tuple[int, int]  # the point with the known heading, and the other
     place: int  # of the known heading among those of its point
@@ -54,7 +61,9 @@ class _Arc(NamedTuple):
 def first_intervals(
     legs: FloatArray, given: Sequence[float | None]
 ) -> tuple[list[Intervals], list[WordArray]]:
-    """Intervals at each point, and of each leg the pairs of them, as `bound_leg` takes them.
+    """Intervals at each point, and their pairs.
+
+    The pairs of each leg are given in the form that `bound_leg` takes.
 
     Args:
         legs: from each point to the next, shape (n, 2).
@@ -89,7 +98,10 @@ def first_intervals(
 def _arcs(
     legs: FloatArray, given: Sequence[float | None], known: list[list[float]], step: int
 ) -> Iterator[_Arc]:
-    """Arcs to the next point, if `step` is 1, or to the one before; their ends become known."""
+    """Arcs to the next or the previous point.
+
+    They lead to the next point if `step` is 1. The headings at their ends become known.
+    """
     bits = (START_LEFT, START_RIGHT, START_HALF) if step == 1 else (END_LEFT, END_RIGHT, END_HALF)
     for leg in range(len(legs))[::step]:
         here, there = (leg, leg + 1)[::step]

@@ -1,7 +1,7 @@
-"""A proven lower bound of a leg's length over an interval of headings at each of its ends.
+"""Proven lower bound of a leg's length.
 
-The least over the six words (`csc_bound`, `lrl_bound`). Everything is in units of the turning
-radius.
+Each end of the leg has an interval of headings. The bound is the least over the six words
+(`csc_bound`, `lrl_bound`). Everything is in units of the turning radius.
 """
 
 from __future__ import annotations
@@ -27,7 +27,10 @@ NO_WORD = -1
 
 @separate
 def box_bound(box: Box) -> tuple[float, int]:
-    """A lower bound of the length with the potential over a box, and the word that gives it."""
+    """Lower bound over a box, and its word.
+
+    It bounds the length with the potential. The word is the one that gives the bound.
+    """
     best, word = math.inf, NO_WORD
     near = box.x * box.x + box.y * box.y < 16.0 + 1e-12
     for image in range(2):
@@ -48,7 +51,10 @@ def box_bound(box: Box) -> tuple[float, int]:
 
 @separate
 def _box(leg: FloatArray, first: Ends, last: Ends, i: int, j: int, live: int) -> Box:
-    """The box of the interval i at a leg's start and j at its end."""
+    """Box of two intervals of a leg.
+
+    Interval i is at its start and j at its end.
+    """
     c1, h1, slope1 = first
     c2, h2, slope2 = last
     return Box(leg[0], leg[1], c1[i], h1[i], slope1[i], c2[j], h2[j], slope2[j], live // 2)
@@ -63,7 +69,9 @@ def bound_leg(
     bounds: FloatArray,
     words: WordArray,
 ) -> None:
-    """`box_bound` of every live pair of intervals; infinite for the others.
+    """Write `box_bound` of every live pair of intervals.
+
+    The bound is infinite for the others.
 
     Args:
         leg: (x, y), the end seen from the start (radii).
@@ -81,7 +89,10 @@ def bound_leg(
 
 @separate
 def _word_slopes(x: float, y: float, t1: float, t2: float, word: int) -> tuple[float, float]:
-    """Derivatives of a word's length by both headings, where it exists or nearly does."""
+    """Derivatives of a word's length by both headings.
+
+    The word exists or nearly does.
+    """
     s1, s2 = turns(word)
     dx, dy = between(x, y, s1, s2, t1, t2)
     if word < 4:
@@ -101,10 +112,12 @@ UNKNOWN, BY_EDGE, BY_WORD = range(3)  # what a slope at one end of a leg is deri
 def _slope_across(
     x: float, y: float, t1: float, t2: float, reach: float, word: int, slope: float, forward: bool
 ) -> tuple[float, int]:
-    """The slope of the potential for which a leg is flat at its other end, and what says so.
+    """Slope of the potential that makes a leg flat.
 
-    A word that may change in the box takes any slope at one end, the multiplier of its condition
-    adapting to it, and says the other end's; else both slopes are the word's derivatives.
+    The leg is flat at its other end. The source of the slope is returned too.
+
+    A word that may change in the box takes any slope at one end: the multiplier of its condition
+    adapts, and gives the slope at the other end. Otherwise both slopes are the word's derivatives.
     """
     s1, s2 = turns(word)
     dx, dy = between(x, y, s1, s2, t1, t2)
@@ -147,7 +160,9 @@ def slopes_across(
     slopes: FloatArray,
     forward: bool,
 ) -> tuple[FloatArray, WordArray]:
-    """`_slope_across` of the intervals of a leg's last end if `forward`, else of its first.
+    """Slopes of a leg's intervals, by `_slope_across`.
+
+    They are those at its last end if `forward`, else at its first.
 
     Args:
         words: of pairs of intervals, shape (intervals at the start, intervals at the end).
@@ -175,9 +190,10 @@ def potential_slopes(
     best: float,
     everywhere: bool,
 ) -> FloatArray:
-    """Slopes of the potential at a point: what both legs ask for, by `slopes_across`.
+    """Slopes of the potential at a point.
 
-    Near the best route's heading, or `everywhere`, the slope is the best route's (NaN: unknown).
+    They are the ones that both legs ask for, by `slopes_across`. Near the best route's heading, or
+    `everywhere`, the slope is the best route's (NaN: unknown).
     """
     middle, half, slope = interval
     (rise, by_left), (fall, by_right) = before, after
@@ -197,7 +213,10 @@ def potential_slopes(
 
 @separate
 def _part_bound(box: Box, side1: float, side2: float) -> float:
-    """The bound of a part of a box: side -0.5 or 0.5 is a half of an interval, 0 all of it."""
+    """Bound of a part of a box.
+
+    A side of -0.5 or 0.5 is a half of an interval; 0 is all of it.
+    """
     d1, d2 = side1 * box.h1, side2 * box.h2
     bound, _ = box_bound(
         Box(
@@ -221,11 +240,13 @@ def add_gains(
     halves: FloatArray,
     both: FloatArray,
 ) -> None:
-    """Add how much more than a box's bound, in `costs`, are those of parts of it.
+    """Add the gains of bounding parts of boxes.
+
+    A gain is the bound of a part less the box's own bound, which is in `costs`.
 
     Args:
         mates: for each of n intervals at the leg's end (`at_end`) or start the one at the other.
-        wanted: shape (n,); of the others nothing is computed.
+        wanted: shape (n,); nothing is computed for the others.
         halves: with half the interval, the lower and the upper one, shape (2, n).
         both: with half of both intervals, the least of four, between 0 and 1; shape (n,).
     """

@@ -1,6 +1,7 @@
-"""Where the arcs of a leg's six words lie, for headings that a search varies.
+"""Geometry of a leg's six words.
 
-Everything is in units of the turning radius; words as in `study.closed_form.pose.WORDS6`.
+The headings at both ends may vary. Everything is in units of the turning radius; words are those of
+`study.closed_form.pose.WORDS6`.
 """
 
 from __future__ import annotations
@@ -13,20 +14,23 @@ from dubins_study.study.closed_form.kernel_compile import separate
 
 @separate
 def principal(angle: float) -> float:
-    """An angle brought to [-pi, pi)."""
+    """Angle brought to [-pi, pi)."""
     return angle - TWO_PI * math.floor(angle / TWO_PI + 0.5)
 
 
 @separate
 def turns(word: int) -> tuple[float, float]:
-    """The turns of a word's first and last arc, 1 to the left; words as in `pose.WORDS6`."""
+    """Turns of a word's first and last arc.
+
+    A turn to the left is 1, to the right -1; words are those of `pose.WORDS6`.
+    """
     first = 1.0 if word == 0 or word == 2 or word == 5 else -1.0
     return first, (-first if word == 2 or word == 3 else first)
 
 
 @separate
 def between(x: float, y: float, s1: float, s2: float, t1: float, t2: float) -> tuple[float, float]:
-    """From the first arc's centre to the last one's."""
+    """Way from the first arc's centre to the last."""
     return (
         x - s2 * math.sin(t2) + s1 * math.sin(t1),
         y + s2 * math.cos(t2) - s1 * math.cos(t1),
@@ -35,7 +39,10 @@ def between(x: float, y: float, s1: float, s2: float, t1: float, t2: float) -> t
 
 @separate
 def straight_direction(dx: float, dy: float, s1: float, s2: float) -> float:
-    """The heading on the straight, given the way between the centres; at most 3 pi / 2."""
+    """Heading on the straight.
+
+    It is at most 3 pi / 2. (dx, dy) is the way between the centres.
+    """
     angle = math.atan2(dy, dx)
     if s1 != s2:
         square = dx * dx + dy * dy - 4.0

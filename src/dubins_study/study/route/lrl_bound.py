@@ -1,4 +1,7 @@
-"""A lower bound of LRL over a box of headings: equation 19 of docs/derivation.md."""
+"""Lower bound of LRL over a box of headings.
+
+It is equation 19 of docs/derivation.md.
+"""
 
 from __future__ import annotations
 
@@ -22,7 +25,7 @@ from dubins_study.study.route.box import (
 from dubins_study.study.route.leg_words import principal
 
 _PI = math.pi
-_ALONG = 1.0  # of a costate along the axis of LRL, where a flat one would be long
+_ALONG = 1.0  # length of a costate along the axis of LRL, where a flat one would be too long
 
 
 @separate
@@ -36,7 +39,9 @@ def _triangle_bound(
     mu1: float,
     mu2: float,
 ) -> float:
-    """A bound of LRL with a costate of length rho that points against the direction axis - tilt.
+    """Bound of LRL by one costate.
+
+    The costate has length rho and points against the direction axis - tilt.
 
     Args:
         axis, turned: direction from the first arc's centre to the last one's; its range.
@@ -63,9 +68,10 @@ def _triangle_bound(
 
 @separate
 def _opposite_bound(box: Box, half: float, slope: float) -> float:
-    """A bound of LRL to the point opposite the start on its right circle, or the same backwards.
+    """Bound of LRL to the start's opposite point.
 
-    Half and slope are those of the end whose heading is open.
+    That is the point opposite the start on its right circle, or the same backwards. Half and slope
+    are those of the end whose heading is open.
     """
     # theta2 - theta1 is pi + t; the arcs are 4 psi - pi + t, concave in t, and exist for t >= 0
     middle = principal(box.c2 - box.c1 - _PI)
@@ -83,9 +89,11 @@ def _opposite_bound(box: Box, half: float, slope: float) -> float:
 
 @separate
 def _rates(angle: float, slope: float, c: float, s: float) -> tuple[float, float, float]:
-    """What is missing of flat in a heading, and what either multiplier adds: its own, the other.
+    """Coefficients of flatness in one heading.
 
-    The angle is from that heading to the axis, c and s are -4 cos(psi) and 4 sin(psi).
+    They are the rise that is still missing, the rate by this heading's own multiplier, and the rate
+    by the other one. The angle is from that heading to the axis, c and s are -4 cos(psi) and 4
+    sin(psi).
     """
     along, across = math.cos(angle) / c, math.sin(angle) / s
     return slope - 1.0 - 4.0 * along, -1.0 - along - across, across - along
@@ -93,7 +101,10 @@ def _rates(angle: float, slope: float, c: float, s: float) -> tuple[float, float
 
 @separate
 def lrl_bound(box: Box) -> float:
-    """A bound of LRL, with multipliers of the outer arcs where these may vanish."""
+    """Bound of LRL.
+
+    Outer arcs that may vanish have multipliers.
+    """
     circles = circles_of(box, 1.0)
     if circles.nearest >= 4.0:
         return math.inf

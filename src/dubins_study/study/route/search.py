@@ -1,11 +1,12 @@
-"""The shortest route through points in a given order, with a proof.
+"""Search for the shortest route, with a proof.
 
-Everything is in units of the turning radius, headings in radians. The heading at each point lies in
-one of some intervals and may jump inside it: the least sum of the legs' bounds
-(`study.route.leg_bound`) over all chains of intervals, by a dynamic program, is a lower bound of
-the route. Intervals and pairs of them that no route as short as the best one known can pass are
-left out; the others are split until the bound meets that route's length (docs/derivation.md,
-section 16).
+The points have a given order. Everything is in units of the turning radius, headings in radians.
+
+The heading at each point lies in one of some intervals and may jump inside it. A dynamic program
+takes the least sum of the legs' bounds (`study.route.leg_bound`) over all chains of intervals. It
+is a lower bound of the route. Intervals and pairs of them that no route as short as the best known
+one can pass are left out. The others are split until the bound meets that route's length
+(docs/derivation.md, section 16).
 """
 
 from __future__ import annotations
@@ -41,22 +42,26 @@ from dubins_study.study.route.leg_bound import (
 
 _LOG = logging.getLogger(__name__)
 
-_NARROWEST = 1e-13  # rad; half the width of an interval that is not split any more
-_AT_REST = 1e-6  # rad; what the headings of a route that came to rest are known to, and more
-_EAGER = 6  # rounds
-_MOST_ROUNDS = 15  # of descents from a loop
+_NARROWEST = 1e-13  # rad; an interval with this half width is not split any more
+_AT_REST = 1e-6  # rad; more than the error of the headings of a route that came to rest
+_EAGER = 6  # rounds; up to this one every round has descents
+_MOST_ROUNDS = 15  # rounds of descents from a loop
 _AT_LEAST = 4  # descents a round, each from another point
 _HOPELESS = 1.5  # times the best route's length: chains this long are not worth a descent
-_PROMISING, _SELDOM = 1.02, 3  # the same where there is a cutoff, and rounds from one to the next
+# times the cutoff, where there is one, and rounds from one descent to the next
+_PROMISING, _SELDOM = 1.02, 3
 _SOON = 0.5  # of the gap: intervals whose bounds are nearer to the best route's length wait
-_BOTH = 0.5  # weight of what both ends of a leg gain by halves together, beside one alone
+_BOTH = 0.5  # weight of the gain by halving both ends of a leg, against that by halving one
 _PAIRS_AT_ONCE = 50_000  # about a tenth of a second between looks at the clock
 _MOST_PAIRS = 40_000_000
-_MOST_SUMS = 400_000_000  # in a round of the programs of a loop
+_MOST_SUMS = 400_000_000  # of a round, over all programs of a loop
 
 
 class Route(NamedTuple):
-    """The best route found, and a proven interval around the shortest length of all."""
+    """Best route found, with a proven interval.
+
+    The interval holds the shortest length of all routes.
+    """
 
     headings: FloatArray  # shape (n + 1,), rad
     words: tuple[str, ...]  # of `pose.WORDS6`, one a leg
@@ -69,7 +74,7 @@ class Route(NamedTuple):
     seconds: float
 
     def begun_at(self, place: int) -> Route:
-        """The same loop from another of its points on."""
+        """The same loop, begun at another point."""
         headings = _rolled(self.headings, place)
         return self._replace(
             headings=np.append(headings, headings[0]),
@@ -91,7 +96,9 @@ def search(
     cutoff: float = math.inf,
     known: FloatArray | None = None,
 ) -> Route:
-    """The shortest route through the points, or the interval that its length is proven to lie in.
+    """Shortest route, or an interval for its length.
+
+    The interval is proven.
 
     Args:
         points: shape (n + 1, 2), in radii, neighbours apart.
@@ -124,13 +131,19 @@ def search(
 
 
 def _rolled(around: FloatArray, begin: int) -> FloatArray:
-    """What belongs to the points of a loop, the first not repeated, from another one on."""
+    """Values at a loop's points, from `begin` on.
+
+    The first point is not repeated.
+    """
     return np.roll(around[:-1], -begin, axis=0)
 
 
 @cache
 def compile_loops() -> None:
-    """Load the loops that a search needs, or compile them where no cache holds them."""
+    """Load the compiled loops of the search.
+
+    Loops that no cache holds are compiled.
+    """
     points = [(0.0, 0.0), (0.6, 0.0), (0.0, 1.5), (8.0, 1.0)]
     _Search(points, [2.0, None, None, None], Effort(), 1e-6).run()
 
@@ -138,22 +151,29 @@ def compile_loops() -> None:
 def potential_at(
     points: ArrayLike, headings: FloatArray, given: Sequence[float | None], closed: bool
 ) -> FloatArray:
-    """Slopes of the potential at the points of a route; NaN where its legs do not tell."""
+    """Slopes of the potential at a route's points.
+
+    NaN where its legs leave the slope open.
+    """
     return _Search(points, given, Effort(), 1.0, cyclic=closed)._slopes_at(headings)
 
 
 def _through(cost: FloatArray, rows: FloatArray) -> tuple[FloatArray, IntArray]:
-    """Of each row the least of cost and row, for each row of cost, and where that is."""
+    """Cheapest ways from each row through `cost`.
+
+    For each of `rows`: the least of cost and row, for each row of cost, and where it is.
+    """
     ways = ((way.min(axis=1), way.argmin(axis=1)) for way in (cost + row for row in rows))
     least, mates = zip(*ways, strict=True)
     return np.array(least), np.array(mates)
 
 
 class _Chains:
-    """The least cost of a chain through each interval, and its neighbours there.
+    """Cheapest chain through each interval.
 
-    A `cyclic` chain ends in the interval in which it begins, so that there is a program for each of
-    these: the first axis of its arrays. Otherwise that has one row.
+    It knows the chain's least cost, and its neighbours there. A `cyclic` chain ends in the interval
+    in which it begins, so that there is a program for each of these: the first axis of its arrays.
+    Otherwise that axis has one row.
     """
 
     def __init__(
@@ -177,25 +197,28 @@ class _Chains:
         both = [a + b for a, b in zip(self.ahead, self.behind, strict=True)]
         self.through: list[FloatArray] = [each.min(axis=0) for each in both]
         row = [each.argmin(axis=0) for each in both]
-        # of each leg: for an interval at its end the best one at its start, and the other way round
+        # for each leg: the best interval at its start for each one at its end, and the reverse
         self.before = [self._before[i][row[i + 1], np.arange(row[i + 1].size)] for i in range(legs)]
         self.after = [after[i][row[i], np.arange(row[i].size)] for i in range(legs)]
         self._row = row[-1]
 
     @property
     def least(self) -> float:
-        """The cost of the cheapest chain."""
+        """Cost of the cheapest chain."""
         return float(self.through[-1].min())
 
     def through_pairs(self, leg: int) -> FloatArray:
-        """The least cost of a chain through each pair of intervals at the ends of a leg."""
+        """Least cost of a chain through each pair.
+
+        A pair has an interval at each end of a leg.
+        """
         least = np.full(self.costs[leg].shape, math.inf)
         for ahead, behind in zip(self.ahead[leg], self.behind[leg + 1], strict=True):
             np.minimum(least, ahead[:, None] + self.costs[leg] + behind, out=least)
         return least
 
     def cheapest(self) -> tuple[list[int], tuple[int, ...]]:
-        """The intervals and the words of the cheapest chain."""
+        """Intervals and words of the cheapest chain."""
         route = [int(np.argmin(self.through[-1]))]
         row = self._row[route[0]]
         words: list[int] = []
@@ -205,7 +228,7 @@ class _Chains:
         return route, tuple(words)
 
     def largest(self, values: list[FloatArray]) -> list[FloatArray]:
-        """The largest value on the best chain through each interval."""
+        """Largest value on each interval's best chain."""
         ahead, behind = [values[0]], [values[-1]]
         for i, before in enumerate(self.before):
             ahead.append(np.maximum(values[i + 1], ahead[-1][before]))
@@ -215,7 +238,10 @@ class _Chains:
 
 
 class _Search:
-    """The state of one search: the best route, the intervals left and the bounds of their pairs."""
+    """State of one search.
+
+    It has the best route, the intervals left and the bounds of their pairs.
+    """
 
     def __init__(
         self,
@@ -236,7 +262,8 @@ class _Search:
             self.headings[-1] = self.headings[0]
         self.length: float = route_length(self.legs, self.headings)
         self.free = np.array([heading is None for heading in given])
-        self.varied = self.free.copy()  # by a descent: the heading that a loop begins with is not
+        # a descent varies these headings, but not the one that a loop begins with
+        self.varied = self.free.copy()
         self.varied[[0, -1]] &= not cyclic
         self.intervals, self.live = first_intervals(self.legs, given)
         self.arc_ends = [interval.middle[COARSE:] for interval in self.intervals]
@@ -248,7 +275,10 @@ class _Search:
         self.tried: set[tuple[int, ...]] = set()
 
     def run(self) -> Route:
-        """Bound, go downhill and split by turns until the gap is closed or all is spent."""
+        """Search until the gap is closed.
+
+        Bounding, descents and splits take turns. The search also ends when its effort is spent.
+        """
         _LOG.info("searching for the shortest route of %d legs", self.n)
         try:
             self._begin()
@@ -260,7 +290,7 @@ class _Search:
         return self._route()
 
     def _begin(self) -> None:
-        """Make the first route shorter, and aim the potential at it."""
+        """Shorten the first route, and aim the potential."""
         width = 0.5 * TWO_PI / COARSE
         chains = self._middles()
         if self.worth(chains):
@@ -274,7 +304,10 @@ class _Search:
         self.intervals = self._aimed(chains)
 
     def _round(self) -> bool:
-        """Bound and split once, and go downhill at times; False at the end."""
+        """Bound and split once; False at the end.
+
+        Descents are made in some rounds only.
+        """
         bounded = self._bound()
         self.rounds += 1
         least = bounded.least * (1.0 - (self.n + 2) * EPS)
@@ -295,7 +328,10 @@ class _Search:
 
     @property
     def high(self) -> float:
-        """More than the best route's length, whatever the rounding; the cutoff if that is less."""
+        """Upper bound, whatever the rounding.
+
+        It is more than the best route's length, or the cutoff if that is less.
+        """
         high = self.length * (1.0 + (self.n + 8) * EPS) + 64.0 * self.n * EPS
         return min(high, self.cutoff)
 
@@ -320,7 +356,10 @@ class _Search:
         return _Chains(bounds, words, self.cyclic)
 
     def _middles(self) -> _Chains:
-        """Routes through the middles of the intervals, by live pairs."""
+        """Routes through the middles of the intervals.
+
+        They use live pairs only.
+        """
         tables = []
         for leg, live, (a, b) in zip(self.legs, self.live, pairwise(self.intervals), strict=True):
             self.effort.look_at_the_clock()
@@ -329,7 +368,10 @@ class _Search:
         return _Chains([*lengths], [*words], self.cyclic)
 
     def _improve(self, chains: _Chains) -> None:
-        """Go downhill from the middles of the intervals on the cheapest chain."""
+        """Go downhill from the cheapest chain.
+
+        The descent starts at the middles of its intervals.
+        """
         route, words = chains.cheapest()
         if words in self.tried or not self.worth(chains):
             return
@@ -339,7 +381,10 @@ class _Search:
         self._descend(np.array(middles), 0.2 * width)
 
     def worth(self, chains: _Chains) -> bool:
-        """Whether the cheapest chain is so short that going downhill from it is worth its time."""
+        """Whether the cheapest chain is worth a descent.
+
+        It has to be short enough.
+        """
         if self.cutoff < math.inf:
             return chains.least < _PROMISING * self.cutoff
         return chains.least < _HOPELESS * self.length
@@ -356,7 +401,10 @@ class _Search:
             self.length, self.headings, self.slopes = length, headings, None
 
     def _descend_around(self, headings: FloatArray, width: float) -> FloatArray:
-        """Go downhill from a loop that begins elsewhere each time, while it gets shorter."""
+        """Go downhill from a loop while it gets shorter.
+
+        The loop begins at another point each time.
+        """
         # about half of the loop, so that every point comes to be the first
         step = next(k for k in range(self.n // 2, self.n + 1) if math.gcd(k, self.n) == 1)
         legs, begin, length = self.legs, 0, math.inf
@@ -376,7 +424,10 @@ class _Search:
         return np.append(own, own[0])
 
     def _slopes_at(self, headings: FloatArray) -> FloatArray:
-        """The slopes of the potential at the points of a route; NaN where its legs do not tell."""
+        """Slopes of the potential at a route's points.
+
+        NaN where its legs leave the slope open.
+        """
         points = [
             Intervals(np.array([heading]), np.array([_AT_REST]), np.array([math.nan]))
             for heading in headings
@@ -394,7 +445,10 @@ class _Search:
         return np.concatenate(slopes)
 
     def _split(self, chains: _Chains) -> bool:
-        """Leave out what no shorter route can pass, and split what is left; False at the end."""
+        """Leave out intervals and split the others.
+
+        No shorter route can pass an interval that is left out. False at the end of the search.
+        """
         threshold = self.high * (1.0 - 0.5 * self.tolerance)
         self.discarded = min(self.discarded, threshold)
         margin = 1.0 - (2 * self.n + 4) * EPS
@@ -429,7 +483,10 @@ class _Search:
         return pairs <= _MOST_PAIRS and pairs * programs <= _MOST_SUMS
 
     def _aimed(self, chains: _Chains) -> list[Intervals]:
-        """The intervals with slopes of the potential from the best chain through each of them."""
+        """Intervals with new slopes of the potential.
+
+        The slopes come from the best chain through each interval.
+        """
         if self.slopes is None:
             self.slopes = self._slopes_at(self.headings)
         before = self._asked(self.intervals, chains.words, chains.before, True)
@@ -438,7 +495,8 @@ class _Search:
             before[0], after[-1] = before[-1], after[0]
         aimed = []
         for i, interval in enumerate(self.intervals):
-            if i in (0, self.n) and not self.cyclic:  # no other leg takes back what one is given
+            # at the ends no other leg cancels the slope of the potential
+            if i in (0, self.n) and not self.cyclic:
                 slope = np.zeros(interval.slope.size)
             else:
                 best = self.headings[i], self.slopes[i], self.rounds == 0
@@ -453,7 +511,10 @@ class _Search:
         mates: list[IntArray],
         forward: bool,
     ) -> list[tuple[FloatArray, WordArray]]:
-        """The slope that the leg before each interval asks for, or after it, and what says so."""
+        """Slopes that legs ask for, with their sources.
+
+        They are the slopes of the leg before each interval, or of the leg after it.
+        """
         end = 0 if forward else self.n
         size = intervals[end].middle.size
         ends_anyhow = self.free[end] and not self.cyclic
@@ -468,7 +529,10 @@ class _Search:
         return asked if forward else asked[::-1]
 
     def _gains(self, chains: _Chains, wanted: list[BoolArray]) -> list[FloatArray]:
-        """How much more the bound along the best chain through an interval is with its halves."""
+        """Gains of the bound from halving each interval.
+
+        The bound is that along the best chain through the interval.
+        """
         gains = []
         for i, interval in enumerate(self.intervals):
             self.effort.look_at_the_clock()
@@ -478,7 +542,7 @@ class _Search:
                     ends = self.intervals[leg], self.intervals[leg + 1]
                     pairs = self.live[leg], chains.costs[leg], mates[leg]
                     add_gains(self.legs[leg], *ends, *pairs, wanted[i], leg < i, halves, both)
-            # where nothing is gained by halves of this one alone, by those of all
+            # halves of this interval alone may gain nothing where halves of both ends do
             gain = np.clip(halves.min(0), 0.0, 1.0) + _BOTH * both
             gains.append((gain + 1e-3 * interval.half**2) * self.free[i])
         if self.cyclic:

@@ -1,1 +1,4 @@
-"""The results format: columns, manifest, and the one reader and checker of Parquet parts."""
+"""Results format: columns, manifest and Parquet parts.
+
+The parts have one reader and checker.
+"""

@@ -1,4 +1,7 @@
-"""The manifest: what a results folder says about itself, checked when it is read."""
+"""Manifest of a results folder.
+
+It describes the folder, and is checked when it is read.
+"""
 
 from __future__ import annotations
 
@@ -27,17 +30,20 @@ Count = Annotated[int, Field(ge=0, le=10**15)]
 
 
 class _Record(BaseModel):
-    """Keys that no field names are kept as they are, so that rewriting a manifest loses nothing."""
+    """A record of the manifest.
+
+    Unknown keys are kept as they are, so that rewriting a manifest loses nothing.
+    """
 
     model_config = ConfigDict(frozen=True, strict=True, extra="allow", allow_inf_nan=False)
 
     def with_changes(self, **changes: Any) -> Self:
-        """A copy in which some fields have other values."""
+        """Copy with some fields changed."""
         return self.model_copy(update=changes)
 
 
 class Definition(_Record):
-    """The experiment that a folder holds the rows of.
+    """Experiment that a folder holds the rows of.
 
     `text` is its TOML file; `section` is the section of the report that is about it.
     """
@@ -50,7 +56,10 @@ class Definition(_Record):
 
 
 class SolverEntry(_Record):
-    """A solver: its settings, the digest of its code, its packages' versions, its cells in all."""
+    """A solver of the experiment.
+
+    Its settings, the digest of its code, its packages' versions, and the number of its cells.
+    """
 
     code_digest: str
     settings: dict[str, Any] = {}
@@ -59,9 +68,10 @@ class SolverEntry(_Record):
 
 
 class MatrixEntry(_Record):
-    """A formulation and an engine: the spec that asks for the pair, or why there is none.
+    """A pair of a formulation and an engine.
 
-    `kind` is the engine's: it heads a group of engines in tables.
+    `spec` asks for the pair, or `reason` says why there is no spec. `kind` is the engine's: it
+    heads a group of engines in tables.
     """
 
     formulation: str
@@ -77,7 +87,10 @@ _MIN_PROBES = 5
 
 
 class Probe(NamedTuple):
-    """A small piece of work that a run timed: seconds since the run began, seconds that it took."""
+    """A small piece of work that a run timed.
+
+    `when` is in seconds since the run began; `took` is the seconds that it took.
+    """
 
     when: Annotated[float, Field(ge=0, le=1e15)]
     took: Annotated[float, Field(gt=0, le=1e15)]
@@ -85,7 +98,9 @@ class Probe(NamedTuple):
 
 
 def spread(probes: Sequence[Probe]) -> float | None:
-    """How much a machine's speed varied: from the 5th to the 95th percentile, over the median.
+    """Variation of a machine's speed.
+
+    It is the range from the 5th to the 95th percentile, over the median.
 
     A share: 0.05 for 5 %; None of fewer than 5 probes, which say nothing.
     """
@@ -96,14 +111,17 @@ def spread(probes: Sequence[Probe]) -> float | None:
 
 
 def varied(probes: Sequence[Probe]) -> float | None:
-    """The spread of the machine that varied most; None if no machine has enough probes."""
+    """Spread of the machine that varied most.
+
+    None if no machine has enough probes.
+    """
     machines = {probe.machine for probe in probes}
     spreads = [spread([p for p in probes if p.machine == machine]) for machine in machines]
     return max((share for share in spreads if share is not None), default=None)
 
 
 class RunEntry(_Record):
-    """A run: what it was asked, where, and how it went (or goes, so far).
+    """A run: its request, its machine and its course.
 
     Moments are UTC, ISO 8601. The loads are processes that wanted a core in the last 1, 5 and 15
     minutes. The state is `running`, `finished` or `interrupted`; a killed run stays `running`.
@@ -129,12 +147,12 @@ class RunEntry(_Record):
 
     @property
     def spread(self) -> float | None:
-        """How much the machine's speed varied (`varied`)."""
+        """Variation of the machine's speed (`varied`)."""
         return varied(self.probes)
 
 
 class Manifest(_Record):
-    """What a results folder says about itself.
+    """Description of a results folder, stored in it.
 
     `schema` (of the rows) has another name here, which pydantic leaves free. `solvers` are by spec:
     rows of another code than an entry's are stale. Gaps of two attempts that differ by more than
@@ -161,12 +179,18 @@ class Manifest(_Record):
 
     @property
     def code_digests(self) -> dict[str, str]:
-        """The digest of the code whose rows count, by solver."""
+        """Code digests by solver.
+
+        Rows of another code than a solver's digest do not count.
+        """
         return {spec: entry.code_digest for spec, entry in self.solvers.items()}
 
 
 def read_manifest(folder: FilePath, *, printable: bool = False) -> Manifest:
-    """The manifest of a results folder; `printable` writes out what its texts cannot print."""
+    """Read the manifest of a results folder.
+
+    With `printable`, characters of its texts that cannot be printed are written out.
+    """
     file = folder / MANIFEST
     if not file.exists():
         what = f"it has no {MANIFEST}" if folder.is_dir() else "it is not a folder"
@@ -174,7 +198,7 @@ def read_manifest(folder: FilePath, *, printable: bool = False) -> Manifest:
     with os_errors_as(f"{file} cannot be read"):
         text = file.read_bytes()
     try:
-        content = json.loads(text)  # takes texts that are no Unicode, as of file names
+        content = json.loads(text)  # accepts texts that are not Unicode, such as file names
         return Manifest.model_validate(printable_values(content) if printable else content)
     except (ValueError, RecursionError) as error:
         raise ResultsError(
@@ -184,7 +208,10 @@ def read_manifest(folder: FilePath, *, printable: bool = False) -> Manifest:
 
 
 def _what(error: ValueError | RecursionError) -> str:
-    """What is wrong with a manifest: of several wrong fields the first."""
+    """Problem of a manifest, for a message.
+
+    If several fields are wrong, it is the first.
+    """
     if not isinstance(error, ValidationError):
         return str(error)
     first = error.errors()[0]

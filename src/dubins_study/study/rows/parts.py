@@ -1,6 +1,7 @@
-"""Rows as tables, and the one reader of a results folder's parts: immutable Parquet files of rows.
+"""Rows as tables, and their Parquet files.
 
-The metadata at a part's end name its schema and its run.
+A results folder's parts are immutable Parquet files of rows. Only this module reads them. The
+metadata at a part's end name its schema and its run.
 """
 
 from __future__ import annotations
@@ -28,7 +29,9 @@ ARROW_SCHEMA = arrow_schema()
 
 
 def rows_table(rows: Iterable[Mapping[str, Any]]) -> pa.Table:
-    """Rows as a table of the schema; what no file can hold is null, or a question mark in a text.
+    """Rows as a table of the schema.
+
+    Numbers that no file can hold are null; such characters in a text are question marks.
 
     Their values are of the schema's types: `Solution` has refused others of a solver.
     """
@@ -52,13 +55,16 @@ def _finite(numbers: list[Any]) -> list[Any]:
 
 
 def row_key(row: Mapping[str, Any]) -> Key:
-    """The values of the key columns."""
+    """Values of the key columns."""
     key: Any = tuple(row[name] for name in names(KEY))
     return key  # type: ignore[no-any-return]
 
 
 def start_of(row: Mapping[str, Any]) -> Pose:
-    """Where the path of a row starts, and with which heading, be it given or the path's own."""
+    """Start pose of a row's path.
+
+    A heading that the scenario leaves free is the path's own.
+    """
     name = "heading" if is_missing(row.get("start_heading")) else "start_heading"
     return Pose(row["x"], row["y"], row[name])
 
@@ -71,15 +77,21 @@ _MOVE = "it is none of this folder's parts, move it elsewhere"
 
 
 class ResultsError(DubinsStudyError, ValueError):
-    """A results folder that cannot be read or written; the message says which one and why."""
+    """A results folder cannot be read or written.
+
+    The message says which one and why.
+    """
 
 
 class DamagedPartError(ResultsError):
-    """A part that was cut off or changed after it was written."""
+    """A part was cut off or changed after writing."""
 
 
 def reason(error: OSError) -> str:
-    """What went wrong, in the words of the system or of the library that raised the error."""
+    """Cause of a system error, for a message.
+
+    It is in the words of the system or of the library that raised the error.
+    """
     if error.errno is not None:
         return os.strerror(error.errno)
     return error.strerror or str(error).partition("\n")[0] or type(error).__name__
@@ -87,7 +99,10 @@ def reason(error: OSError) -> str:
 
 @contextmanager
 def os_errors_as(problem: str) -> Iterator[None]:
-    """Raise an error of the operating system as a `ResultsError`: the problem and its reason."""
+    """Raise operating system errors as `ResultsError`.
+
+    The message states the problem and the system's reason.
+    """
     try:
         yield
     except OSError as error:
@@ -95,7 +110,7 @@ def os_errors_as(problem: str) -> Iterator[None]:
 
 
 def folder_paths(folders: Any) -> list[FilePath]:
-    """The path of one results folder, or those of several."""
+    """Paths of one results folder or of several."""
     several = isinstance(folders, Iterable) and not isinstance(folders, str)
     try:
         return list(map(FilePath, folders if several else [folders]))
@@ -105,15 +120,22 @@ def folder_paths(folders: Any) -> list[FilePath]:
 
 
 def part_files(folder: FilePath) -> list[FilePath]:
-    """The files of a folder's parts, by name; none is opened."""
+    """Files of a folder's parts, by name.
+
+    None is opened.
+    """
     return sorted((folder / PARTS).glob("*.parquet"))
 
 
 def read_batches(file: FilePath, columns: Sequence[str] | None = None) -> Iterator[pa.Table]:
-    """A part's rows in tables of at most `BATCH_ROWS` rows, as the schema has them.
+    """Read a part in tables of `BATCH_ROWS` rows.
 
-    A column that was declared after the part was written is null. A `DamagedPartError` says that
-    the file was cut off or changed; a `ResultsError`, that it is of another schema or unreadable.
+    The last table may have fewer. Columns are as the schema has them; one that was declared after
+    the part was written is null.
+
+    Raises:
+        DamagedPartError: if the file was cut off or changed.
+        ResultsError: if it is of another schema, or cannot be read.
     """
     wanted = _empty(columns)
     with _reading(file), pq.ParquetFile(file, page_checksum_verification=True) as content:
@@ -134,7 +156,10 @@ def _empty(columns: Sequence[str] | None) -> pa.Table:
 
 
 def _as_stated(table: pa.Table, schema: pa.Schema) -> pa.Table:
-    """The table with the columns of a schema: null where it has none, cast where it has others."""
+    """Table with the columns of a schema.
+
+    A column that the table lacks is null; one of another type is cast.
+    """
     for field in schema:
         if field.name not in table.column_names:
             table = table.append_column(field, pa.nulls(len(table), field.type))
@@ -142,19 +167,25 @@ def _as_stated(table: pa.Table, schema: pa.Schema) -> pa.Table:
 
 
 def read_part(file: FilePath, columns: Sequence[str] | None = None) -> pa.Table:
-    """A part's columns as one table, all by default; errors as `read_batches`."""
+    """Read a part's columns as one table.
+
+    All columns are read by default. Errors are those of `read_batches`.
+    """
     return pa.concat_tables([_empty(columns), *read_batches(file, columns)])
 
 
 def check_part(file: FilePath) -> None:
-    """Read a part whole, one batch at a time, and keep nothing; errors as `read_batches`."""
+    """Read a whole part to check it.
+
+    One batch is read at a time, and nothing is kept. Errors are those of `read_batches`.
+    """
     for _ in read_batches(file):
         pass
 
 
 @contextmanager
 def _reading(file: FilePath) -> Iterator[None]:
-    """Raise whatever Arrow raises as the error of a results folder."""
+    """Raise all errors of Arrow as a folder's errors."""
     try:
         yield
     except ResultsError:
@@ -170,7 +201,7 @@ def _damaged(file: FilePath, problem: str) -> DamagedPartError:
 
 
 def _check_schema(file: FilePath, content: pq.ParquetFile) -> None:
-    """Refuse a file that is no part of this schema."""
+    """Refuse a file of another schema."""
     texts = content.metadata.metadata or {}
     version = texts.get(VERSION_KEY.encode(), b"%d" % VERSION).decode("utf-8", "replace")
     columns = content.schema_arrow.names
@@ -187,9 +218,9 @@ def _check_schema(file: FilePath, content: pq.ParquetFile) -> None:
 
 
 def printable_batches(file: FilePath, columns: Sequence[str]) -> Iterator[pa.Table]:
-    """A part's rows as `read_batches` gives them, with what cannot be printed written out.
+    """Read a part with unprintable characters written out.
 
-    Engines and plug-ins may say anything.
+    Tables are those of `read_batches`. Engines and plug-ins may say anything.
     """
     for table in read_batches(file, columns):
         arrays = [_printable(column) for column in table.columns]

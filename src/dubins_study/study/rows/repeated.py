@@ -1,4 +1,7 @@
-"""Attempts at the same cell, of one folder or several: which are kept, which contradict them."""
+"""Compare repeated attempts at a cell.
+
+They may come from one folder or several. One attempt is kept, and the others may contradict it.
+"""
 
 from __future__ import annotations
 
@@ -15,10 +18,14 @@ JUDGED = ("outcome", "claim", "verdict", "word")
 
 
 def compare_attempts(rows: pd.DataFrame, cell: Sequence[str]) -> tuple[IntArray, pd.DataFrame]:
-    """Keep the first row of each cell; `cell` are the columns that name it.
+    """Keep the first row of each cell.
 
-    Returns the ascending positions of the rows that are kept, and a row for every other attempt:
-    its columns, and the kept attempt's with the suffix `_kept`; the cell's columns stand once.
+    `cell` are the columns that name a cell.
+
+    Returns:
+        The ascending positions of the rows that are kept, and a frame with a row for every other
+        attempt. It has the attempt's columns, and the kept attempt's with the suffix `_kept`; the
+        cell's columns stand once.
     """
     kept = ~rows.duplicated(list(cell)).to_numpy()
     pairs = rows[~kept].merge(rows[kept], on=list(cell), suffixes=("", "_kept"))
@@ -26,9 +33,10 @@ def compare_attempts(rows: pd.DataFrame, cell: Sequence[str]) -> tuple[IntArray,
 
 
 def differences(pairs: pd.DataFrame, tolerance: float) -> pd.DataFrame:
-    """Where pairs of `compare_attempts` differ: columns of `JUDGED` and `gap`.
+    """Mask of the columns in which pairs differ.
 
-    Gaps that differ by up to `tolerance` agree, and so do two missing values.
+    The pairs are those of `compare_attempts`; the columns are those of `JUDGED` and `gap`. Gaps
+    that differ by up to `tolerance` agree, and so do two missing values.
     """
     differ = {}
     for name in (*JUDGED, "gap"):

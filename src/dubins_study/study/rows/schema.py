@@ -1,9 +1,10 @@
-"""The row: one judged attempt. Declared here once.
+"""Declare the row: one judged attempt.
 
-Whoever measures a share of a row fills a class of this module: the solver `Reported`, the check
-`Judgement` and `Certificate`, the caller `Times`. From these classes follow the solution and the
-answer, the encoding of a reply, its validation, the Arrow schema, the documentation, and which
-columns the report reads. A new column is a field of one class, and a value where it is measured.
+Each share of a row is a class of this module, filled by the code that measures it: the solver fills
+`Reported`, the check `Judgement` and `Certificate`, the caller `Times`. From these classes follow
+the solution and the answer, the encoding of a reply, its validation, the Arrow schema, the
+documentation, and which columns the report reads. A new column is a field of one class, and a value
+where it is measured.
 """
 
 # ruff: noqa: RUF009  `column` returns a field, which no instances share
@@ -26,7 +27,10 @@ RUN_ID = "dubins-study run"
 
 
 class Column(NamedTuple):
-    """A column: name, Arrow type, unit and meaning. Missing and non-finite numbers are null."""
+    """A column: name, Arrow type, unit and meaning.
+
+    Missing and non-finite numbers are null.
+    """
 
     name: str
     meaning: str
@@ -38,7 +42,10 @@ class Column(NamedTuple):
 
 
 def column(meaning: str, unit: str = "", *, default: Any = None, **flags: bool) -> Any:
-    """A field of a share that is a column of the row; a field without it is none."""
+    """Declare a field as a column of the row.
+
+    A field of a share that is declared otherwise is no column.
+    """
     return field(default=default, metadata={"unit": unit, "meaning": meaning} | flags)
 
 
@@ -51,7 +58,7 @@ _TYPES = {
 
 
 def columns(share: Any) -> tuple[Column, ...]:
-    """The columns that a share declares."""
+    """Columns that a share declares."""
     declared = (each for each in fields(share) if each.metadata)
     return tuple(
         Column(each.name, type=_TYPES[str(each.type)], **each.metadata) for each in declared
@@ -59,12 +66,15 @@ def columns(share: Any) -> tuple[Column, ...]:
 
 
 def names(columns: tuple[Column, ...]) -> list[str]:
-    """The names of columns."""
+    """Names of columns."""
     return [column.name for column in columns]
 
 
 class Effort(NamedTuple):
-    """What a solver spent on a subproblem: runs of the engine, their evaluations, their seconds."""
+    """Effort of a solver on a subproblem.
+
+    It counts runs of the engine, their evaluations, and their seconds.
+    """
 
     subproblem: str
     runs: int
@@ -74,10 +84,11 @@ class Effort(NamedTuple):
 
 @dataclass(frozen=True)
 class Reported:
-    """What a solver says; `solvers.protocol.Solution` has the meaning of every field.
+    """The report of a solver.
 
-    The path, the multipliers and the efforts are stored in columns of other shares, the point of a
-    convex problem and the trace by what the check measures of them.
+    `solvers.protocol.Solution` has the meaning of every field. The path, the multipliers and the
+    efforts are stored in columns of other shares. Of the point of a convex problem and the trace
+    only the check's measurements are stored.
     """
 
     claim: Claim = column("what the solver says", default=MISSING, plotted=True)
@@ -105,7 +116,7 @@ class Reported:
 
 @dataclass(frozen=True, kw_only=True)
 class Spent:
-    """What the multipliers and efforts of a solution are stored as."""
+    """Stored form of a solution's multipliers and efforts."""
 
     multiplier_x: float | None = column(
         "dual of the end point's x equation, if any", "1", detail=True
@@ -123,7 +134,10 @@ class Spent:
 
 @dataclass(frozen=True)
 class Times:
-    """Seconds on `perf_counter` in the process that solves; None for what was not reached."""
+    """Seconds on `perf_counter` in the solving process.
+
+    None for a step that was not reached.
+    """
 
     build_s: float | None = column("time to build the model", "s")
     solve_s: float | None = column("time to solve it", "s", plotted=True)
@@ -132,13 +146,17 @@ class Times:
 
 @dataclass(frozen=True, kw_only=True)
 class Judgement:
-    """The verdict on an answer and its evidence. Lengths in the scenario's unit; None if absent.
+    """Verdict on an answer, and its evidence.
 
-    Of a frozen convex problem `length` is the objective at the feasible point made from the answer,
-    and `miss` the largest violation of a constraint.
-    `gap` only stands for a path that arrives. `wrong_basin` is a longer path that turns by another
-    angle than the shortest one (more than 1 rad apart), or is of another word and more than 5 %
-    longer: another local optimum, not a coarse answer.
+    Lengths are in the scenario's unit; None if absent.
+
+    For a frozen convex problem `length` is the objective at the feasible point made from the
+    answer, and `miss` the largest violation of a constraint. `gap` exists only for a path that
+    arrives.
+
+    `wrong_basin` marks another local optimum, not a coarse answer. Such a path is longer, and turns
+    by another angle than the shortest one (more than 1 rad apart), or is of another word and more
+    than 5 % longer.
     """
 
     region: str | None = column(
@@ -193,10 +211,11 @@ class Judgement:
 
 @dataclass(frozen=True, kw_only=True)
 class Certificate:
-    """The proof of an answer and its evidence. Lengths in the scenario's unit; None where absent.
+    """Proof of an answer, and its evidence.
 
-    Both bounds are None where the branch provably has no path. `study.check.extremal` measures the
-    costates (nu1, nu2), Pontryagin's conditions and the cut margin.
+    Lengths are in the scenario's unit; None where absent. Both bounds are None where the branch
+    provably has no path. `study.check.extremal` measures the costates (nu1, nu2), Pontryagin's
+    conditions and the cut margin.
     """
 
     proof: Proof = column(

@@ -1,10 +1,11 @@
-"""Compiled loops of the search for tours: bounds between points, chains, and sets of points.
+"""Compiled loops of the search for tours.
 
-A point has some intervals of headings; `begin` says where those of each point begin, shape
-(points + 1,). A chain goes from interval to interval, from one point to another: its cost is the
-sum of the bounds of its legs. One that remembers only a few of the points that it has passed may
-come back to the others, so that the cheapest of them costs no more than any tour
-(docs/derivation.md, section 18). Everything is in units of the turning radius, headings in radians.
+They compute bounds between points, chains, and sets of points. A point has some intervals of
+headings; `begin` says where those of each point begin, shape (points + 1,). A chain goes from
+interval to interval, from one point to another: its cost is the sum of the bounds of its legs. A
+chain remembers only a few of the points that it has passed, and may come back to the others. So the
+cheapest chain costs no more than any tour (docs/derivation.md, section 18). Everything is in units
+of the turning radius, headings in radians.
 """
 
 from __future__ import annotations
@@ -32,7 +33,9 @@ def bounds_between(
     row: int,
     bounds: FloatArray,
 ) -> None:
-    """Write bounds of the legs from the intervals of one point to all others, where they are new.
+    """Write bounds of the legs from one point.
+
+    They go from its intervals to all others, where they are new.
 
     Args:
         intervals: middles, halves of widths and slopes of the potential.
@@ -52,10 +55,11 @@ def bounds_between(
 
 @compiled
 def memories_after(near: IntArray) -> IntArray:
-    """The memory of a chain after it has gone on to a point, shape (points, memories, points).
+    """Memory of a chain after each next point.
 
-    A memory at a point is a set of its near points: bit k is that of `near[point, k]`, and bit 0
-    is the point itself. A point that is remembered is not gone to: -1.
+    Shape (points, memories, points). A memory at a point is a set of its near points: bit k is that
+    of `near[point, k]`, and bit 0 is the point itself. A chain does not go to a point that it
+    remembers: -1.
     """
     n, size = near.shape
     after = np.full((n, 1 << size, n), _NO_POINT)
@@ -79,7 +83,9 @@ def memories_after(near: IntArray) -> IntArray:
 def first_chains(
     begin: IntArray, after: IntArray, starts: FloatArray, prices: FloatArray
 ) -> FloatArray:
-    """Costs of chains of one point, and room for longer ones.
+    """Costs of chains of one point.
+
+    The array has room for longer ones.
 
     Args:
         after: `memories_after`.
@@ -99,9 +105,10 @@ def first_chains(
 
 @compiled
 def _leave_out_dearer(costs: FloatArray, first: int, end: int) -> None:
-    """Make infinite what a chain costs no less than one that remembers fewer of the same points.
+    """Leave out chains that another chain makes needless.
 
-    That one can go on wherever the other can, and as cheaply.
+    The other chain costs no more and remembers fewer of the same points. It can go on wherever the
+    first can, and as cheaply. The costs left out become infinite.
     """
     memories = costs.shape[0]
     fewer = np.full((memories, end - first), math.inf)
@@ -129,9 +136,10 @@ def extend_chains(
     after: IntArray,
     prices: FloatArray,
 ) -> None:
-    """Write the least costs of chains of k + 2 points, less the prices of those.
+    """Write least costs of chains with another point.
 
-    Chains of k + 1 points that others make needless become infinite.
+    They have k + 2 points, whose prices are subtracted. Chains of k + 1 points that others make
+    needless become infinite.
 
     Args:
         costs: `first_chains`, with those of k + 1 points.
@@ -169,7 +177,10 @@ def cheapest_chain(
     after: IntArray,
     ends: FloatArray,
 ) -> IntArray:
-    """The points of the cheapest chain of `chains`, from the first to the last."""
+    """Points of the cheapest chain, first to last.
+
+    `costs` are those of `first_chains`, extended by `extend_chains`.
+    """
     n, memories = after.shape[0], after.shape[1]
     owner = np.empty(ends.size, np.int64)
     for i in range(n):
@@ -196,10 +207,12 @@ def cheapest_chain(
 
 @compiled
 def cheapest_through(ahead: FloatArray, bounds: FloatArray, behind: FloatArray) -> FloatArray:
-    """The least cost of a chain through each pair of intervals, shape (intervals, intervals).
+    """Least cost of a chain through each pair.
+
+    Pairs are of intervals: shape (intervals, intervals).
 
     Args:
-        ahead: least costs of chains of k + 1 points that end in an interval, of whatever memory.
+        ahead: least costs of chains of k + 1 points that end in an interval, over all memories.
         behind: the same backwards, from the tour's end.
     """
     n, size = ahead.shape
@@ -216,7 +229,9 @@ def cheapest_through(ahead: FloatArray, bounds: FloatArray, behind: FloatArray) 
 def extended(
     sets: SetArray, lasts: IntArray, costs: FloatArray, bounds: FloatArray, begin: IntArray
 ) -> tuple[SetArray, IntArray, FloatArray]:
-    """States of one more point: a set that is passed, its last point, costs by its intervals.
+    """States that have passed one more point.
+
+    A state is a set of passed points, its last point, and costs by that point's intervals.
 
     Args:
         sets, lasts: shape (states,).
@@ -258,10 +273,12 @@ def leave_out(
     prices: FloatArray,
     cutoff: float,
 ) -> BoolArray:
-    """Which states may still end within the cutoff; costs that may not become infinite.
+    """Mask of states that may end within the cutoff.
+
+    Costs that may not become infinite.
 
     Args:
-        to_go: of `chains` backwards, for as many points as are left and the last one.
+        to_go: costs of chains backwards, for all points that are left and the last one.
         remembered: the points of each memory, shape (points, memories).
     """
     kept = np.zeros(sets.size, np.bool_)

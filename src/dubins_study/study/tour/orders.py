@@ -1,8 +1,8 @@
-"""The orders of a tour's points that can be within a length: an exact program over sets of points.
+"""Find all orders of a tour within a length.
 
-A state is a set of points that are passed, the last of them, and the least cost up to each of its
-intervals of headings. What is left to pay from there on, by chains backwards, leaves out most of
-them (docs/derivation.md, section 18).
+An exact program over sets of points finds them. A state is a set of points that are passed, the
+last of them, and the least cost up to each of its intervals of headings. Chains backwards bound the
+cost that is left from there on, which excludes most states (docs/derivation.md, section 18).
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ class Legs(NamedTuple):
 
 
 class ToGo(NamedTuple):
-    """What is left to pay at least."""
+    """Lower bounds of the cost that is left."""
 
     costs: FloatArray  # of chains backwards, less prices: shape (points, memories, intervals)
     near: IntArray  # the points that a memory is of, shape (points, remembered)
@@ -45,14 +45,17 @@ class ToGo(NamedTuple):
 def orders_within(
     legs: Legs, to_go: ToGo, cutoff: float, effort: Effort
 ) -> dict[tuple[int, ...], float] | None:
-    """Bounds of all orders that are not above the cutoff; None if there are many."""
+    """Bounds of all orders within the cutoff.
+
+    None if there are too many.
+    """
     levels = _states(legs, to_go, cutoff, effort)
     if levels is None:
         return None
     found: dict[tuple[int, ...], float] = {}
     begin = legs.begin
     n = begin.size - 1
-    # from the end: a set of points that are left, the last of them, costs from its intervals on
+    # from the end: a set of points, the last of them, the points after it, costs from it on
     every = (1 << n) - 1
     open_ends: list[_OpenEnd] = [
         (every, i, (), legs.ends[begin[i] : begin[i + 1]]) for i in range(n)
@@ -81,7 +84,10 @@ def orders_within(
 
 
 def _states(legs: Legs, to_go: ToGo, cutoff: float, effort: Effort) -> _Levels | None:
-    """The states of each size that may end within the cutoff, and their costs; None if many."""
+    """States of each size within the cutoff.
+
+    They may end within it, and have their costs. None if there are too many.
+    """
     begin = legs.begin
     n = begin.size - 1
     most = int(np.diff(begin).max())
@@ -106,7 +112,10 @@ def _states(legs: Legs, to_go: ToGo, cutoff: float, effort: Effort) -> _Levels |
 
 
 def _sets_of(near: IntArray) -> SetArray:
-    """The points of each memory as a set, shape (points, memories)."""
+    """Sets of points that the memories stand for.
+
+    Shape (points, memories).
+    """
     memories = np.arange(1 << near.shape[1])
     has = memories[:, None] >> np.arange(near.shape[1]) & 1
     sets: SetArray = (has[None] << near[:, None, :]).sum(axis=2)
@@ -116,7 +125,10 @@ def _sets_of(near: IntArray) -> SetArray:
 def _united(
     sets: SetArray, lasts: IntArray, costs: FloatArray
 ) -> tuple[SetArray, IntArray, FloatArray]:
-    """One state of each set and last point, with the least costs."""
+    """Unite states of one set and last point.
+
+    The least costs are kept.
+    """
     if not sets.size:
         return sets, lasts, costs
     order = np.lexsort((lasts, sets))

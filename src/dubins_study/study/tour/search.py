@@ -1,12 +1,14 @@
-"""The shortest tour: via points passed in any order, with a proof.
+"""Search for the shortest tour, with a proof.
+
+Via points are passed in any order. Everything is in units of the turning radius, headings in
+radians.
 
 The bound of a leg over two intervals of headings belongs to two points, whatever the order. Chains
-of legs that remember only a few points bound all tours from below, with prices on the points that
-make the cheapest chain pass each of them once. What is left to pay from an interval on leaves out
-pairs of intervals, and sets of points in an exact program, that no tour as short as the best one
-known can have. Intervals are halved until few orders are left, and each of these is searched as a
-route with the best tour's length as its cutoff (docs/derivation.md, section 18). Everything is in
-units of the turning radius, headings in radians.
+of legs that remember only a few points bound all tours from below. Prices on the points make the
+cheapest chain pass each of them once. The least cost from an interval on leaves out pairs of
+intervals, and sets of points in an exact program, that no tour as short as the best known one can
+have. Intervals are halved until few orders are left. Each of these is searched as a route with the
+best tour's length as its cutoff (docs/derivation.md, section 18).
 """
 
 from __future__ import annotations
@@ -43,12 +45,12 @@ from dubins_study.study.tour.stops import Stops
 
 _LOG = logging.getLogger(__name__)
 
-# By the number of points: intervals at each to begin with, and how many near points, itself among
-# them, a chain remembers. Of more points there is a good tour, and the least tree as a bound.
+# Most points, first intervals at each, and number of near points, itself included, that a chain
+# remembers. With more points the result is a good tour, and the least tree as a bound.
 _SIZES = ((12, 16, 5), (40, 16, 7), (62, 8, 6), (100, 8, 4))
 _ROUNDS, _LATER_ROUNDS = 40, 16  # of prices: at first, and where they are good
 _STEP, _LATER_STEP = 1.0, 0.5  # of prices: a share of Polyak's
-_SHRINK, _PATIENCE = 0.6, 3  # of the step, after so many rounds without a better bound
+_SHRINK, _PATIENCE = 0.6, 3  # factor of the step, after this many rounds without a better bound
 _LEAST_STEP = 0.02
 _SOON = 1.0  # of the gap: intervals whose chains are nearer to the best tour's length wait
 _ALL_ORDERS = 4  # points up to which every order is searched
@@ -60,7 +62,10 @@ _AT_ENDS = 16  # intervals of a free heading at the start or the target
 
 
 class Tour(NamedTuple):
-    """The best tour found, and a proven interval around the shortest length of all."""
+    """Best tour found, with a proven interval.
+
+    The interval holds the shortest length of all tours.
+    """
 
     order: tuple[int, ...]  # of the via points
     route: Route  # through them in this order
@@ -80,7 +85,9 @@ def search_tour(
     tolerance: float = 1e-9,
     seed: int = 0,
 ) -> Tour:
-    """The shortest tour, or the interval that its length is proven to lie in.
+    """Shortest tour, or an interval for its length.
+
+    The interval is proven.
 
     Args:
         stops: two or more different points.
@@ -96,7 +103,7 @@ def search_tour(
         return _backwards(found) if stops.closed and found.order[0] > found.order[-1] else found
     place = known[0]
     found = _TourSearch(stops.begun_at(place), Effort(boxes, limit), tolerance, seed).run()
-    # the points of that search: the old start, then the old points without the one that it began at
+    # points of that search: the old start, then the old points except the one that it began at
     points = [i for i in range(len(stops.points)) if i != place]
     began = found.order.index(0)
     order = [points[i - 1] for i in found.order[began + 1 :]] + [place]
@@ -105,7 +112,10 @@ def search_tour(
 
 
 def _backwards(loop: Tour) -> Tour:
-    """A loop driven the other way round, which is as long; one of both is always returned."""
+    """A loop driven the other way round.
+
+    It is as long. The search returns the same one of both every time.
+    """
     route = loop.route
     other_side = str.maketrans("LR", "RL")
     words = [word[::-1].translate(other_side) for word in reversed(route.words)]
@@ -119,7 +129,10 @@ def _backwards(loop: Tour) -> Tour:
 
 @cache
 def compile_tour_loops() -> None:
-    """Load the loops that a search needs, or compile them where no cache holds them."""
+    """Load the compiled loops of the search.
+
+    Loops that no cache holds are compiled.
+    """
     compile_loops()
     points = np.array([(3.0, 1.0), (0.5, -2.0), (-2.0, 2.0), (6.0, 3.0), (1.0, 6.0)])
     stops = Stops(points, [None] * len(points), first=0.0, target=(1.0, 5.0), last=None)
@@ -127,7 +140,10 @@ def compile_tour_loops() -> None:
 
 
 class _TourSearch:
-    """The state of one search: the best tour, the intervals left and the bounds of their pairs."""
+    """State of one search.
+
+    It has the best tour, the intervals left and the bounds of their pairs.
+    """
 
     def __init__(self, stops: Stops, effort: Effort, tolerance: float, seed: int) -> None:
         self.stops, self.effort, self.tolerance = stops, effort, tolerance
@@ -147,12 +163,15 @@ class _TourSearch:
 
     @property
     def high(self) -> float:
-        """More than the best tour's length, whatever the rounding."""
+        """Upper bound: the best tour's, whatever the rounding."""
         return math.inf if self.best is None else self.best.high
 
     @property
     def slack(self) -> float:
-        """More than the rounding of the cost of a chain, with and without prices."""
+        """Upper limit of a chain's rounding error.
+
+        It holds with and without prices.
+        """
         size = self.high + 2.0 * float(np.abs(self.prices).sum())
         return (4 * self.n + 16) * EPS * size
 
@@ -173,7 +192,7 @@ class _TourSearch:
                 self._prove(*size[1:])
         except SpentError:
             _LOG.info("the search has spent its effort")
-        if self.best is None:  # something to show, whatever the limit
+        if self.best is None:  # an answer in any case, whatever the limit
             self._search_order(self.order, quick=True)
         assert self.best is not None
         return Tour(
@@ -188,7 +207,10 @@ class _TourSearch:
         )
 
     def _prove(self, intervals: int, remembered: int) -> None:
-        """Raise the lower end until it meets the best tour, or nothing more can be done."""
+        """Raise the lower bound to the best tour's length.
+
+        It stops when nothing more can be done.
+        """
         distances = cdist(self.stops.points, self.stops.points)
         distances[np.diag_indices(self.n)] = -1.0  # each point is the first of those near it
         self.near = np.argsort(distances, axis=1, kind="stable")[:, :remembered]
@@ -201,9 +223,10 @@ class _TourSearch:
             pass
 
     def _prove_around(self) -> None:
-        """Prove a loop: it ends in the interval of headings in which it begins, one by one.
+        """Prove a loop, one first interval at a time.
 
-        Driven backwards a loop is as long, so that half of the circle is enough.
+        A loop ends in the interval of headings in which it begins. Driven backwards it is as long,
+        so that half of the circle is enough.
         """
         self._aim()
         self._bound()
@@ -223,7 +246,10 @@ class _TourSearch:
         self.low = max(self.low, min(*lows, self.high))
 
     def _search_order(self, order: tuple[int, ...], quick: bool = False) -> Route:
-        """Search one order, which becomes the best if it is shorter than the cutoff."""
+        """Search one order.
+
+        It becomes the best if it is shorter than the cutoff.
+        """
         points, headings = self.stops.route(order)
         left = self.effort.seconds - (perf_counter() - self.effort.began)
         found = search(
@@ -246,7 +272,7 @@ class _TourSearch:
     # Bounds
 
     def _cover(self, intervals: int) -> None:
-        """Intervals of headings at each point, and all pairs of them."""
+        """Set up intervals of headings, and their pairs."""
         width = TWO_PI / intervals
         grid = np.linspace(0.5 * width - math.pi, math.pi - 0.5 * width, intervals)
         middle, half, owner = [], [], []
@@ -269,7 +295,10 @@ class _TourSearch:
         return begin
 
     def _level(self) -> bool:
-        """Bound, leave out and halve once, or search the orders that are left; False at the end."""
+        """Bound, leave out and halve once.
+
+        If few orders are left, they are searched instead. False at the end.
+        """
         began = self.effort.spent
         self._aim()
         self._bound()
@@ -293,11 +322,14 @@ class _TourSearch:
         return pairs <= _MOST_PAIRS and self._halve()
 
     def _aim(self) -> None:
-        """Give all intervals of a point the slope of the best tour's potential there."""
+        """Aim the potential at the best tour.
+
+        All intervals of a point get the slope of the best tour's potential there.
+        """
         assert self.best is not None
         points, given = self.stops.route(self.order)
         slopes = potential_at(points, self.best.headings, given, self.stops.closed)
-        if self.around is not None:  # what the first leg is given, the last one takes back
+        if self.around is not None:  # the last leg cancels the slope that the first one is given
             self.around = self.around._replace(slope=np.nan_to_num(slopes[:1]))
         of_points = np.zeros(self.n)
         of_points[list(self.order)] = np.nan_to_num(slopes)[1 : self.n + 1]
@@ -307,7 +339,10 @@ class _TourSearch:
         self.new = self.live & (self.new | moved[:, None] | moved[None, :])
 
     def _bound(self) -> None:
-        """Bounds of all live pairs of intervals, from the start and to the end."""
+        """Bound all live pairs of intervals.
+
+        Legs from the start and to the end are bounded too.
+        """
         size = self.owner.size
         begin = self.begin
         for i in range(self.n):
@@ -320,14 +355,17 @@ class _TourSearch:
             some = slice(begin[i], begin[i + 1])
             here = Intervals(*(column[some] for column in self.intervals))
             self.starts[some] = _pair_bounds(point, first, here).min(axis=0)
-            if self.stops.target is None:  # no leg takes back what the last one is given
+            if self.stops.target is None:  # no leg cancels the slope that the last one is given
                 self.ends[some] = -np.abs(here.slope) * here.half
             else:
                 way = np.array(self.stops.target) - point
                 self.ends[some] = _pair_bounds(way, here, last).min(axis=1)
 
     def _chains(self, prices: FloatArray, back: bool = False) -> FloatArray:
-        """Costs of chains ahead from the start, or `back` from the end."""
+        """Costs of chains from the start.
+
+        With `back` they are those of chains from the end.
+        """
         bounds = np.ascontiguousarray(self.bounds.T) if back else self.bounds
         ends = self.ends if back else self.starts
         begin = self.begin
@@ -341,9 +379,10 @@ class _TourSearch:
         return costs
 
     def _price(self) -> None:
-        """Raise prices of points that the cheapest chain misses, and lower those it repeats.
+        """Improve the prices of points.
 
-        A step is a share of what would close the gap, were the bound linear (Polyak 1969).
+        Prices of points that the cheapest chain misses rise, and those of repeated points fall. A
+        step is a share of the one that would close the gap, were the bound linear (Polyak 1969).
         """
         prices, best, waited = self.prices, -math.inf, 0
         rounds, step = (_LATER_ROUNDS, _LATER_STEP) if self.priced else (_ROUNDS, _STEP)
@@ -374,7 +413,9 @@ class _TourSearch:
         _LOG.info("proven to within %.2g of the length", 1.0 - self.low / self.high)
 
     def _leave_out(self) -> FloatArray:
-        """Leave out pairs of intervals that no tour as short as the best one can pass.
+        """Leave out pairs of intervals that are too long.
+
+        No tour as short as the best one can pass them.
 
         Returns:
             Costs of chains back from the end, of the intervals that are kept.
@@ -394,7 +435,10 @@ class _TourSearch:
         return behind[:, :, kept]
 
     def _halve(self) -> bool:
-        """Halve the intervals that short tours can pass; False if none can be halved."""
+        """Halve the intervals that short tours can pass.
+
+        False if none can be halved.
+        """
         soon = self.low + _SOON * (self.high - self.low)
         free = np.array([heading is None for heading in self.stops.headings])[self.owner]
         split = free & (self.least <= soon) & (self.intervals.half > _NARROWEST)
@@ -416,7 +460,10 @@ class _TourSearch:
     # Orders
 
     def _orders_left(self, behind: FloatArray) -> dict[tuple[int, ...], float] | None:
-        """Bounds of all orders that can be as short as the best tour; None if there are many."""
+        """Bounds of all orders that may be shortest.
+
+        They can be as short as the best tour. None if there are many.
+        """
         if self.n > MOST_IN_SET:
             return None
         legs = Legs(self.begin, self.bounds, self.starts, self.ends)
@@ -428,7 +475,10 @@ class _TourSearch:
         return {order: least - self.slack for order, least in orders.items()}
 
     def _search_all(self) -> None:
-        """Search every order of few points: each for a while, so that none takes all the time."""
+        """Search every order of few points.
+
+        Each is first searched for a while, so that none takes all the time.
+        """
         orders: dict[tuple[int, ...], float] = {}
         for order in (self.order, *permutations(range(self.n))):
             backwards = self.stops.closed and order[::-1] in orders
@@ -437,7 +487,10 @@ class _TourSearch:
         self._search_orders(orders)
 
     def _search_orders(self, orders: dict[tuple[int, ...], float]) -> None:
-        """Search orders one by one, the best tour's first, then by their bounds."""
+        """Search orders one by one.
+
+        The best tour's order comes first, the others follow by their bounds.
+        """
         left = dict(sorted(orders.items(), key=lambda item: item[1]))
         low = math.inf
         for order in [self.order, *(order for order in left if order != self.order)]:
@@ -459,7 +512,10 @@ class _TourSearch:
 
 
 def _least_tree(stops: Stops) -> float:
-    """The length of the least tree between all points, which no tour is shorter than."""
+    """Length of the least tree between all points.
+
+    No tour is shorter.
+    """
     target = [] if stops.target is None or stops.closed else [stops.target]
     points = np.vstack([np.zeros((1, 2)), stops.points, *target])
     # by hand: a distance below 1e-8 is no edge to SciPy's trees
@@ -475,7 +531,7 @@ def _least_tree(stops: Stops) -> float:
 
 
 def _end_intervals(heading: float | None) -> Intervals:
-    """The intervals of the start or the target."""
+    """Intervals of the start or the target."""
     if heading is not None:
         return Intervals(
             np.array([math.remainder(heading, TWO_PI)]), np.array([OVERLAP]), np.zeros(1)

@@ -1,6 +1,7 @@
-"""Short orders of a tour's points, by exchanges on a grid of headings: what a proof begins with.
+"""Find short orders of a tour's points.
 
-Everything is in units of the turning radius, headings in radians.
+Exchanges on a grid of headings find them, and a proof begins with them. Everything is in units of
+the turning radius, headings in radians.
 """
 
 from __future__ import annotations
@@ -20,18 +21,18 @@ from dubins_study.study.tour.stops import Stops
 
 _FEW = 12  # points up to which an order of straight lines is not tried
 _ON_GRID = 100  # points up to which an order is improved with headings, not with straight lines
-_IMPROVED = 200  # points up to which it is improved at all
+_IMPROVED = 200  # points up to which an order is improved at all
 _SOME = 40  # points up to which there are more headings
 _HEADINGS, _FEWER = 24, 16  # at each point
 _MOST_ARCS = 24  # further ones of single arcs to near points, where there are more
 _KICKED = 62  # points up to which an order is changed and shortened anew
 _KICKS = 16  # how often
-_NEARLY = 1.02  # times the best length on the grid: other orders are not tried
+_NEARLY = 1.02  # times the best length on the grid; longer orders are not searched
 CHAIN_BOXES = 2e-5  # boxes that take as long as one sum of two costs
 
 
 class _Grid(NamedTuple):
-    """Headings at each point, and the lengths of legs between them."""
+    """Headings at each point, and the legs' lengths."""
 
     begin: IntArray  # where those of each point begin, shape (points + 1,)
     lengths: FloatArray  # shape (headings, headings)
@@ -42,7 +43,10 @@ class _Grid(NamedTuple):
 def short_orders(
     stops: Stops, effort: Effort, random: np.random.Generator
 ) -> Iterator[tuple[int, ...]]:
-    """Orders that may be short: the first by straight lines, then the best with headings first."""
+    """Yield orders that may be short.
+
+    The first is by straight lines, then follow those with headings, the best first.
+    """
     n = len(stops.points)
     order = _nearest_neighbours(stops.points)
     if n <= _IMPROVED:
@@ -65,14 +69,20 @@ def short_orders(
 
 
 def _kicked(order: tuple[int, ...], random: np.random.Generator) -> IntArray:
-    """An order with two neighbouring parts exchanged (Martin, Otto and Felten 1991)."""
+    """Order with two neighbouring parts exchanged.
+
+    See Martin, Otto and Felten (1991).
+    """
     cuts = random.choice(np.arange(1, len(order) + 1), 3)
     a, b, c = np.sort(cuts).tolist()
     return np.array([*order[:a], *order[b:c], *order[a:b], *order[c:]])
 
 
 def _shorten(order: IntArray, grid: _Grid, effort: Effort) -> float:
-    """Shorten an order in place until no small change of it is shorter; return its length."""
+    """Shorten an order in place; return its length.
+
+    It ends when no small change makes the order shorter.
+    """
     length = math.inf
     sums = order.size * grid.starts.size**2
     while True:
@@ -84,7 +94,10 @@ def _shorten(order: IntArray, grid: _Grid, effort: Effort) -> float:
 
 
 def _straight_lines(stops: Stops) -> _Grid:
-    """One heading a point, which does not count."""
+    """Grid of straight lines between the points.
+
+    Each point has one heading, which does not count.
+    """
     points, ends = stops.points, np.zeros(len(stops.points))
     if stops.target is not None:
         ends = np.hypot(*(points - stops.target).T)
@@ -93,7 +106,7 @@ def _straight_lines(stops: Stops) -> _Grid:
 
 
 def _nearest_neighbours(points: FloatArray) -> IntArray:
-    """The order of going on to the nearest point that is left."""
+    """Order that goes to the nearest point left."""
     left = list(range(len(points)))
     here = np.zeros(2)
     order = []
@@ -106,7 +119,10 @@ def _nearest_neighbours(points: FloatArray) -> IntArray:
 
 
 def _heading_grid(stops: Stops, effort: Effort) -> _Grid:
-    """Evenly spread headings at each point, and those of single arcs to points near by."""
+    """Grid of headings at each point.
+
+    Headings are spread evenly, and those of single arcs to near points are added.
+    """
     n = len(stops.points)
     count = _HEADINGS if n <= _SOME else _FEWER
     evenly = np.linspace(-math.pi, math.pi, count, endpoint=False)
@@ -125,7 +141,10 @@ def _heading_grid(stops: Stops, effort: Effort) -> _Grid:
 
 
 def _to_ends(stops: Stops, begin: IntArray, headings: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Lengths from the start to each heading of the grid, and from it to the end."""
+    """Lengths from the start and to the end.
+
+    Each array has one length for each heading of the grid.
+    """
     circle = np.linspace(-math.pi, math.pi, 2 * _HEADINGS, endpoint=False)
     first = circle if stops.first is None else np.array([stops.first])
     last = circle if stops.last is None else np.array([stops.last])
@@ -145,7 +164,10 @@ def _lengths(way: FloatArray, first: FloatArray, last: FloatArray) -> FloatArray
 
 
 def _arc_headings(ways: FloatArray) -> FloatArray:
-    """Headings with which one arc leads to a point that is this way off, or from it."""
+    """Headings with which one arc joins two points.
+
+    The arc leads to a point that is this way off, or from it.
+    """
     distances = np.hypot(*ways.T)
     near = np.argsort(distances, kind="stable")
     near = near[(distances[near] > 0.0) & (distances[near] < 2.0)]
@@ -158,7 +180,10 @@ def _arc_headings(ways: FloatArray) -> FloatArray:
 
 @compiled
 def lengths_between(points: FloatArray, begin: IntArray, headings: FloatArray) -> FloatArray:
-    """Shortest lengths between the headings of different points, shape (headings, headings)."""
+    """Shortest lengths between headings of different points.
+
+    Shape (headings, headings).
+    """
     lengths = np.full((headings.size, headings.size), math.inf)
     for i in range(points.shape[0]):
         for j in range(points.shape[0]):
@@ -181,7 +206,10 @@ def _go(
     begin: IntArray,
     following: FloatArray,
 ) -> None:
-    """Write the least costs at the headings of a point of going on to it from another one."""
+    """Write least costs of going on to a point.
+
+    They are those at the point's headings, from another point on.
+    """
     first, end = begin[there], begin[there + 1]
     following[first:end] = math.inf
     for p in range(begin[here], begin[here + 1]):
@@ -198,7 +226,10 @@ def _costs_along(
     starts: FloatArray,
     costs: FloatArray,
 ) -> None:
-    """Write the least costs of an order up to each of the headings at its points."""
+    """Write least costs along an order.
+
+    They are those up to each of the headings at its points.
+    """
     first = slice(begin[order[0]], begin[order[0] + 1])
     costs[first] = starts[first]
     for k in range(1, order.size):
@@ -206,17 +237,18 @@ def _costs_along(
 
 
 _MOST_MOVED = 3  # points that change their place together
-_SHORTER = 1e-9  # radii; less is no reason for another order
+_SHORTER = 1e-9  # radii; a smaller gain is no reason for another order
 
 
 @compiled
 def better_order(
     order: IntArray, begin: IntArray, lengths: FloatArray, starts: FloatArray, ends: FloatArray
 ) -> float:
-    """Shorten an order in place where it can be, and return its length by the best headings.
+    """Shorten an order in place, once.
 
-    A part of it is turned round, or up to three points are moved to another place. Each is tried
-    once, so that a shorter order may be left: ask again as long as the length is less.
+    Returns its length by the best headings. A part of it is turned round, or up to three points are
+    moved to another place. Each change is tried once, so that a shorter order may be left: call it
+    again as long as the length decreases.
     """
     n = order.size
     back = np.ascontiguousarray(lengths.T)

@@ -1,4 +1,7 @@
-"""What a tour has to pass, in radii and seen from its start."""
+"""Points of a tour, seen from its start.
+
+Lengths are in radii.
+"""
 
 from __future__ import annotations
 
@@ -11,7 +14,10 @@ from dubins_study.study.arrays import FloatArray
 
 
 class Stops(NamedTuple):
-    """What a tour has to pass, seen from its start."""
+    """Points that a tour passes, and their headings.
+
+    They are seen from the start.
+    """
 
     points: FloatArray  # via points, shape (n, 2)
     headings: Sequence[float | None]  # at the via points; None where free
@@ -21,7 +27,10 @@ class Stops(NamedTuple):
     closed: bool = False  # whether the tour ends with the heading that it starts with, both free
 
     def route(self, order: Sequence[int]) -> tuple[FloatArray, list[float | None]]:
-        """The points of one order, from the start on, and the headings there."""
+        """Points and headings of one order.
+
+        Both begin at the start.
+        """
         some = list(order)
         points = np.vstack([np.zeros(2), self.points[some]])
         headings = [self.first, *(self.headings[i] for i in some)]
@@ -30,7 +39,10 @@ class Stops(NamedTuple):
         return np.vstack([points, self.target]), [*headings, self.last]
 
     def begun_at(self, place: int) -> Stops:
-        """The same loop from a via point with a heading on; the start becomes the first point."""
+        """The same loop, begun at another point.
+
+        That is a via point with a heading. The start becomes the first point.
+        """
         others = np.delete(self.points, place, axis=0)
         around = np.vstack([np.zeros((1, 2)), others]) - self.points[place]
         rest = [heading for i, heading in enumerate(self.headings) if i != place]
