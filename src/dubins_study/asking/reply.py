@@ -1,4 +1,4 @@
-"""A question put to a solver and timed, and what comes back of it."""
+"""One question put to a solver, and its reply."""
 
 from __future__ import annotations
 
@@ -22,9 +22,9 @@ _NO_TIMES = Times()
 
 
 class Reply(NamedTuple):
-    """The answer to a question, not judged yet, with what its row records of the solve.
+    """The answer to a question before it is judged.
 
-    What follows the times is filled in by the worker of a run.
+    The fields after `times` are filled in by the worker of a run.
     """
 
     outcome: Outcome
@@ -38,7 +38,10 @@ class Reply(NamedTuple):
 
 
 def no_answer(outcome: Outcome, message: str, times: Times = _NO_TIMES, status: str = "") -> Reply:
-    """The reply of a solver that did not answer, and why."""
+    """The reply of a solver that did not answer.
+
+    Its message says why.
+    """
     return Reply(outcome, Solution(Claim.NONE, native_status=status, message=message), times)
 
 
@@ -48,10 +51,10 @@ def ask(
     limit: float = DEFAULT_LIMIT,
     raised: Callable[[BaseException], None] | None = None,
 ) -> Reply:
-    """Put a question to a solver, unless its presolve answers it, and time it.
+    """Put a question to a solver and time it.
 
-    What a solver raises is its reply; `raised` is called with the exception, which has its
-    traceback.
+    If the presolve answers the question, the solver is not asked. An exception that the solver
+    raises becomes its reply; before that, `raised` is called with the exception and its traceback.
     """
     reason = unavailable(solver)
     if reason is not None:
@@ -90,9 +93,10 @@ _CLOCKS_APART_S = 1e-3  # that two readings of the machine's clocks may differ b
 
 
 def with_possible_times(reply: Reply, waited_s: float) -> Reply:
-    """The reply; it is `raised` if a time is impossible for a caller who waited that long.
+    """The reply, unless one of its times is impossible.
 
-    A library may replace the clock of the process that solves.
+    A time is impossible if it is negative or longer than the caller waited. The outcome is then
+    `raised`: a library may replace the clock of the process that solves.
     """
     for name, seconds in vars(reply.times).items():
         if seconds is not None and not 0 <= seconds <= waited_s + _CLOCKS_APART_S:
@@ -107,7 +111,10 @@ _MAX_MESSAGE_CHARS = 2000  # a row is no place for more
 
 
 def exception_text(error: BaseException) -> str:
-    """The name and message of an exception, whose own conversion to text may fail as well."""
+    """The name and message of an exception.
+
+    Only the name is returned if the conversion of the exception to text fails.
+    """
     name = type(error).__name__
     try:
         text = str(error)

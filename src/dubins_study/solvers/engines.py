@@ -1,6 +1,6 @@
-"""Every optimisation library that a formulation is solved with: one table, by the names of specs.
+"""Engines: one table of the optimisation libraries, by name.
 
-Nothing is imported until it is asked.
+An engine's name is also its name in specs. Nothing is imported until an engine is needed.
 """
 
 from __future__ import annotations
@@ -39,8 +39,8 @@ from dubins_study.study.words import (
 class Engine(NamedTuple):
     """An optimisation library.
 
-    Whether a licence is too small or expired is seen when a problem is solved, and is then the
-    row's message: to ask for it here would load every licensed library for a mere list of solvers.
+    A licence that is too small or expired is noticed when a problem is solved; the row's message
+    then says so. To ask for it here would load every licensed library for a mere list of solvers.
     """
 
     label: str  # its name as its makers write it, which rows hold
@@ -59,7 +59,7 @@ class Engine(NamedTuple):
     evaluations: int = 0
 
     def unavailable(self) -> str | None:
-        """Why the engine cannot run here, or None."""
+        """The reason why the engine cannot run, or None."""
         reason = missing_package(*self.packages)
         if reason or not self.check:
             return reason
@@ -67,10 +67,11 @@ class Engine(NamedTuple):
         return checked
 
     def load(self) -> Any:
-        """The adapter; what it takes and returns depends on the kind of engine.
+        """The engine's adapter.
 
-        One of nonlinear programs or a search takes `tol`, `max_iter` and `options`, as the settings
-        of a solver have them, and returns an `NlpCall` or a `penalty_function.Search`.
+        Its parameters and results depend on the kind of engine. The adapter of an engine of
+        nonlinear programs, or of a search, takes `tol`, `max_iter` and `options` as the settings of
+        a solver have them. It returns an `NlpCall` or a `penalty_function.Search`.
         """
         place = _resolved(self.place) if isinstance(self.place, str) else self.place
         adapter = partial(place, **self.arguments)
@@ -84,13 +85,16 @@ class Engine(NamedTuple):
         return call
 
     def tolerance(self, options: str, tol: float = 0.0) -> float | None:
-        """The feasibility that the engine is asked for; None if that is left to it."""
+        """The feasibility that the engine is asked for.
+
+        None if the options leave it to the engine.
+        """
         chosen = self.options.of(options, tol)
         asked = (chosen[name] for name in self.options.feasibility if name in chosen)
         return next(asked, None)
 
     def method(self, formulation: str, guess: str, options: str, tol: float) -> Method:
-        """What a solver states of itself that takes these options and this tolerance."""
+        """The `Method` of a solver with these settings."""
         return Method(formulation, self.label, guess, self.tolerance(options, tol))
 
 
@@ -105,7 +109,7 @@ def _resolved(place: str) -> Any:
 
 @cache
 def ipopt_in_casadi() -> dict[str, str]:
-    """The version of the Ipopt library that casadi's wheel carries."""
+    """The version of Ipopt in casadi's wheel."""
     import casadi
 
     # libipopt.so.3, libipopt.3.dylib or libipopt-3.dll
@@ -117,7 +121,7 @@ def ipopt_in_casadi() -> dict[str, str]:
 
 @cache
 def scip_in_pyscipopt() -> dict[str, str]:
-    """The version of the SCIP library inside pyscipopt."""
+    """The version of SCIP inside pyscipopt."""
     from pyscipopt import Model
 
     model = Model()
@@ -142,7 +146,7 @@ def _nlopt(label: str, algorithm: str, **inner: str) -> Engine:
 def _search(
     label: str, name: str, budget: int, optimality: tuple[str, ...] = (), **options: Any
 ) -> Engine:
-    """One of SciPy's."""
+    """An engine for one of SciPy's searches."""
     place, arguments = "stochastic.penalty_function:scipy_search", {"name": name}
     chosen = Options(optimality=optimality, **options)
     return Engine(label, SAMPLING, ("scipy",), place, arguments, chosen, evaluations=budget)
@@ -409,7 +413,10 @@ EXECUTABLES = {
 
 
 def program_engine(name: str, kind: str) -> Engine:
-    """The line of an executable on PATH that AMPL calls."""
+    """An engine for an executable on PATH.
+
+    The executable is called as AMPL calls a solver.
+    """
     known = (each for begin, each in EXECUTABLES.items() if name.startswith(begin))
     keywords = next(known, Keywords())
     place = "nlp_engines.ampl:ampl_minlp" if kind == PROVEN else "nlp_engines.ampl:ampl_nlp"
@@ -418,7 +425,10 @@ def program_engine(name: str, kind: str) -> Engine:
 
 
 def names(*kinds: str) -> tuple[str, ...]:
-    """The engines of some kinds, in the order of the table."""
+    """The names of the engines of some kinds.
+
+    They are in the order of the table.
+    """
     return tuple(name for name, engine in ENGINES.items() if engine.kind in kinds)
 
 
@@ -428,7 +438,7 @@ def packages(engines: tuple[str, ...]) -> tuple[str, ...]:
 
 
 def others(solver: str, engines: tuple[str, ...], *default: str) -> tuple[str, ...]:
-    """The specs of a solver with every engine but its default."""
+    """A solver's specs for engines other than the default."""
     return tuple(f"{solver}[engine={name}]" for name in engines if name not in default)
 
 
@@ -440,15 +450,19 @@ MINLP_ENGINES = names(PROVEN)
 
 
 def engine_or_program(default: str, engines: tuple[str, ...]) -> Any:
-    """The setting `engine`: one of some engines, or an executable on PATH that reads NL files."""
+    """Declare the setting `engine`.
+
+    Its value is one of some engines, or an executable on PATH that reads NL files.
+    """
     return name_or_program(default, engines, taken=ENGINES)
 
 
 class EngineSolver(Solver):
-    """A solver whose setting `engine` is a name of the table, or of a plug-in's own.
+    """A solver whose setting `engine` names an engine.
 
-    If it was declared by `engine_or_program`, it may be the name of an executable; `program_kind`
-    says as which kind of engine that is run.
+    The name is one of the table, or of a plug-in's own table. If the setting was declared by
+    `engine_or_program`, it may also be the name of an executable. `program_kind` is the kind of
+    engine as which an executable is run.
     """
 
     engine: str
@@ -457,7 +471,7 @@ class EngineSolver(Solver):
 
     @property
     def library(self) -> Engine:
-        """The engine's line of the table."""
+        """The entry of the solver's engine in the table."""
         return self.engines.get(self.engine) or program_engine(self.engine, self.program_kind)
 
     @property
@@ -485,7 +499,10 @@ class EngineSolver(Solver):
 
 
 class SearchSolver(EngineSolver):
-    """A solver whose engines begin at a guess, but for those that search a whole box."""
+    """A solver whose engine starts at a guess.
+
+    Engines that search a whole box take no guess.
+    """
 
     initial_guess: str
     restarts: bool
@@ -502,10 +519,10 @@ class SearchSolver(EngineSolver):
 
     @property
     def guided(self) -> bool:
-        """Whether the engine begins at a guess."""
+        """Whether the engine starts at a guess."""
         return self.library.kind != SAMPLING
 
     @property
     def guess(self) -> str:
-        """The column `guess`."""
+        """The value of the column `guess`."""
         return self.initial_guess if self.guided else "none"

@@ -1,4 +1,4 @@
-"""The promise that every solver keeps, written once."""
+"""The interface of every solver."""
 
 from __future__ import annotations
 
@@ -24,7 +24,10 @@ if TYPE_CHECKING:
 
 
 class Guarantee(StrEnum):
-    """The promise of a method for the answers that it calls solutions."""
+    """The guarantee of a method for its solutions.
+
+    It holds for an answer that the method calls a solution.
+    """
 
     EXACT = "exact"
     LOCAL = "local"
@@ -35,7 +38,7 @@ class Guarantee(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class Question:
-    """A scenario, the branch that is asked for, and an initial guess.
+    """A scenario, a branch and an initial guess.
 
     The guess is a path when warm, and None when cold. `repeat` numbers the times that the question
     is put to a solver; one that draws random numbers adds it to its seed.
@@ -48,9 +51,10 @@ class Question:
 
     @property
     def guess_in_radii(self) -> Path | None:
-        """The initial guess at unit radius, from (0, 0) with heading 0.
+        """The initial guess at unit radius.
 
-        None if it is cold, or a path that doubles cannot drive.
+        It starts at (0, 0) with heading 0. None if the question is cold, or if doubles cannot drive
+        the path.
         """
         given, radius = self.initial_guess, self.scenario.radius
         if given is None or not drivable(given):
@@ -62,7 +66,9 @@ class Question:
 
 
 class Method(NamedTuple):
-    """The columns that a comparison of solvers needs, the same for all questions to a solver.
+    """The columns that describe a solver's method.
+
+    They are the same for all questions to a solver.
 
     Args:
         formulation: the problem that is handed over, one of `study.words.FORMULATIONS` if it fits.
@@ -85,7 +91,10 @@ class Method(NamedTuple):
     knows: str = ""
 
     def columns(self, question: Question | None = None) -> dict[str, Any]:
-        """The row's columns; the guess is `warm` if the question hands one to a search."""
+        """The row's columns.
+
+        The guess is `warm` if the question hands one to a search.
+        """
         given = question is not None and question.initial_guess is not None
         guess = "warm" if given and self.guess != "none" else self.guess
         guesses = GUESSES.get(guess, guess)
@@ -110,7 +119,9 @@ MAX_ARCS = 2**16
 
 @dataclass(frozen=True)
 class Solution(Reported):
-    """The answer of a solver. The path is kept and judged whatever the claim.
+    """A solver's answer.
+
+    The path is kept and judged whatever the claim.
 
     Args:
         claim: what the solver says of its answer.
@@ -162,7 +173,10 @@ def _count(value: Any) -> int:
 
 
 def _text(value: Any) -> str:
-    """The value as a plain str, of any subclass too, and of what a row can hold."""
+    """The value as a plain str for a row.
+
+    A subclass of str becomes a str too. Surrogates are replaced.
+    """
     if type(value) is str and value.isascii():
         return value
     return str.encode(str(value), "utf-8", "replace").decode()
@@ -212,12 +226,13 @@ _OPTIONAL = {each.name for each in fields(Reported) if str(each.type).endswith("
 
 @dataclass(frozen=True, eq=False)
 class FrameSolution:
-    """The answers of a solver's `solve_frame(frame, branch)` to n scenarios, as arrays.
+    """A solver's answers to n scenarios, as arrays.
 
-    The frame that the solver gets has passed `study.scenario_frame.check_frame`. It has no via
-    points, and the final headings of all rows are free, or given, if the solver takes them;
-    `branch` is one of the solver's own. The caller times the call and judges the paths, as for
-    `Solver.solve`. Values of another shape or type are a TypeError.
+    They are the result of the solver's `solve_frame(frame, branch)`. The frame that the solver gets
+    has passed `study.scenario_frame.check_frame`. It has no via points. The final headings of all
+    rows are free, or all are given if the solver takes them. `branch` is one of the solver's own.
+    The caller times the call and judges the paths, as for `Solver.solve`. Values of another shape
+    or type are a TypeError.
     """
 
     claim: Claim | ArrayLike  # one for all rows, or indices into `study.path.CLAIMS`, shape (n,)
@@ -251,7 +266,9 @@ class FrameSolution:
 
 
 class Solver:
-    """The base class of every solver: one method with its settings.
+    """The base class of every solver.
+
+    A solver is one method with its settings.
 
     A solver is a frozen dataclass that extends this class; its fields are its settings. It must
     give `name` and either `solve(question, limit)`, or `build(question)` and `solve(model, limit)`,
@@ -293,42 +310,57 @@ class Solver:
 
     @property
     def method(self) -> Method:
-        """Formulation, engine and initial guess; a plug-in may give a plain tuple."""
+        """The formulation, engine and initial guess.
+
+        A plug-in may give a plain tuple.
+        """
         return NOT_STATED
 
     @property
     def runs(self) -> str | None:
-        """The name of the program on PATH that the solver starts, or None."""
+        """The program on PATH that the solver starts.
+
+        None if it starts no program.
+        """
         return None
 
     @property
     def keeps_limit(self) -> bool:
-        """Whether the solver, with its settings, may be asked in the caller's own process.
+        """Whether the solver may run in the caller's process.
 
-        True is a promise: `build` and `solve` together return at most a second after the limit,
-        whatever the question, on a machine that is not overloaded and once the libraries are
-        loaded; and they print nothing. Where it is not made, `dubins_study.solve` asks in a worker
-        process, which is killed at the limit.
+        True is a promise about `build` and `solve` together. Whatever the question, they return at
+        most a second after the limit, and they print nothing. It supposes a machine that is not
+        overloaded, and libraries that are loaded. Without this promise `dubins_study.solve` asks in
+        a worker process, which is killed at the limit.
         """
         return False
 
     def unavailable(self) -> str | None:
-        """Why the solver cannot run here (a missing package, binary or licence), or None."""
+        """The reason why the solver cannot run, or None.
+
+        A package, a binary or a licence may be missing.
+        """
         return None
 
     def library_versions(self) -> dict[str, str]:
-        """Versions of the libraries that lie inside the solver's packages, by library."""
+        """Versions of the libraries inside the solver's packages.
+
+        The keys are the libraries' names.
+        """
         return {}
 
     def build(self, question: Question) -> Any:
-        """The model that `solve` takes; timed as build. By default it is the question itself.
+        """The model that `solve` takes.
 
-        A template that all questions share is compiled once and kept between calls.
+        The caller times this as build. By default the model is the question itself. A template that
+        all questions share is compiled once and kept between calls.
         """
         return question
 
     def solve(self, model: Any, limit: float) -> Solution:
-        """Optimise for about `limit` seconds; timed as solve. A failure is a claim, no exception.
+        """Optimise for about `limit` seconds.
+
+        The caller times this as solve. A failure is a claim, no exception.
 
         Args:
             model: what `build` returned; the question, where `build` is the default.

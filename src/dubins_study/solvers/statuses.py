@@ -1,4 +1,4 @@
-"""What the statuses of engines claim."""
+"""Statuses of engines, and the claims that they make."""
 
 from __future__ import annotations
 
@@ -193,7 +193,10 @@ STATUSES |= dict.fromkeys(("sqpmethod", "qrsqp"), STATUSES["ipopt"])
 
 
 def claim_of(engine: str, status: str, unnamed: Claim = Claim.FAILED) -> Claim:
-    """The claim of an engine's status, by the engine's name in `STATUSES`."""
+    """The claim that an engine's status makes.
+
+    `engine` is a name in `STATUSES`. A status that is not listed there makes the claim `unnamed`.
+    """
     for claim, statuses in STATUSES[engine].items():
         if status in statuses:
             return Claim(claim)

@@ -1,7 +1,7 @@
-"""The shortest path as a disjunction of words, solved to proven global optimality.
+"""`disjunctive`: the shortest path as a disjunction of words.
 
-Branch and bound proves that no path of any word is shorter than its bound; its point, which meets
-the target only to a tolerance, is polished.
+Branch and bound proves that no path of any word is shorter than its bound. Its point meets the
+target only to a tolerance, so the point is polished.
 """
 
 from __future__ import annotations
@@ -70,7 +70,10 @@ class PosedDisjunction(NamedTuple):
 
 
 class Point(NamedTuple):
-    """The words that an engine has chosen, leg by leg, and the lengths (radii) of their pieces."""
+    """An engine's choice of words and lengths.
+
+    `words` and `pieces` are leg by leg; a piece's length is in radii.
+    """
 
     words: list[str]
     pieces: list[FloatArray]
@@ -82,7 +85,10 @@ class Point(NamedTuple):
 
 
 class Met(NamedTuple):
-    """A path made to meet the points: its length and miss (radii), and whether that is rounding."""
+    """A path that was moved to meet the points.
+
+    `length` and `miss` are in radii. `meets` says whether the miss is only rounding.
+    """
 
     path: Path
     length: float
@@ -92,7 +98,9 @@ class Met(NamedTuple):
 
 @dataclass(frozen=True)
 class Disjunctive(EngineSolver):
-    """One disjunct for each word of each leg, proven by an engine's branch and bound.
+    """One disjunct for each word of each leg.
+
+    An engine's branch and bound proves the answer.
 
     Args:
         engine: `scip`, `maingo`, or the name of an executable on PATH that reads NL files; such a
@@ -226,7 +234,10 @@ class Disjunctive(EngineSolver):
         )
 
     def _claim(self, stopped: bool, feastol: float, bound: float, met: Met) -> tuple[Claim, str]:
-        """The claim for a polished path, and why; the engine's is for its own point only."""
+        """The claim for a polished path, and its reason.
+
+        The engine's own claim holds for its own point only.
+        """
         if not met.meets:
             close = met.miss <= _SLACK * feastol
             message = f"meets the points only to {met.miss:.1e} radii"
@@ -239,7 +250,10 @@ class Disjunctive(EngineSolver):
 
 
 def _unproven(solution: Solution) -> Solution:
-    """A solution to a question whose points are too far apart for the engine's tolerances."""
+    """The solution without its proof.
+
+    The points are too far apart for the engine's tolerances.
+    """
     weaker = {Claim.OPTIMAL: Claim.FEASIBLE, Claim.INFEASIBLE: Claim.FAILED}
     return replace(
         solution,
@@ -277,7 +291,10 @@ def _point(model: PosedDisjunction, x: FloatArray) -> Point:
 
 
 def _met(model: PosedDisjunction, point: Point) -> tuple[str, Met]:
-    """The point made to meet the points of the course, and its words."""
+    """The words and the polished path of a point.
+
+    The engine's point is moved until it meets the points of the course.
+    """
     scenario = model.question.scenario
     course = replace(model.course, steps=point.steps)
     if course.target is not None:

@@ -1,6 +1,7 @@
-"""The paper's model (4.12) with its sines and cosines, solved to proven global optimality.
+"""`global-nlp`: the paper's model (4.12), solved with a proof.
 
-`disjunctive` is stated as an engine likes it; these are the equations as they stand in the paper.
+The equations stand as in the paper, with their sines and cosines. `disjunctive` states the problem
+in a form that suits the engines better.
 """
 
 from __future__ import annotations
@@ -44,7 +45,10 @@ from dubins_study.study.words import BRANCHES, Claim
 
 
 class PosedPrograms(NamedTuple):
-    """A question, translated for `solve`: a program for each case."""
+    """A question, translated for `solve`.
+
+    There is one program for each case.
+    """
 
     leg: PosedLeg
     programs: list[MixedProgram]
@@ -52,7 +56,9 @@ class PosedPrograms(NamedTuple):
 
 @dataclass(frozen=True)
 class GlobalNlp(EngineSolver):
-    """Model (4.12) by an engine that proves a bound, one program for each word or each order.
+    """Model (4.12) by an engine that proves a bound.
+
+    There is one program for each word or each order of turns:
 
         minimise  z1 + z2 + z3  subject to  (4.10), (4.11),  0 <= z1, z2 <= 2 pi,  0 <= z3 <= d + 2
 
@@ -141,7 +147,10 @@ class GlobalNlp(EngineSolver):
         return self._answer(model.leg, runs, covers)
 
     def _answer(self, leg: PosedLeg, runs: list[Run[FloatArray]], covers: bool) -> Solution:
-        """The best point of all runs, with the claim and the bound of all together."""
+        """The best point of all runs.
+
+        Its claim and its bound are those of all runs together.
+        """
         R = leg.question.scenario.radius
         complete = len(runs) == len(leg.cases)
         bound = min((run.bound for run in runs), default=-math.inf)
@@ -166,7 +175,10 @@ class GlobalNlp(EngineSolver):
 
 
 def _program(case: Case, lifted: bool) -> MixedProgram:
-    """The program of a case; a joint one, if `lifted`, with the final heading in it."""
+    """The program of a case.
+
+    If `lifted`, a joint program has the final heading as a variable.
+    """
     subproblem, target = case.subproblem, case.target
     upper = np.array((TWO_PI, TWO_PI, math.hypot(target.X, target.Y) + 2))
     posed = replace(program(case), upper=upper[subproblem.mask])
@@ -179,7 +191,10 @@ def _program(case: Case, lifted: bool) -> MixedProgram:
 
 @cache
 def _with_heading() -> Expressions:
-    """Model (4.12) in four variables, the last one the final heading; p is the target (X, Y)."""
+    """Model (4.12) in four variables.
+
+    The last variable is the final heading. The parameters p are the target (X, Y).
+    """
     import casadi
 
     x, p = casadi.SX.sym("x", 4), casadi.SX.sym("p", 2)
@@ -202,7 +217,11 @@ def _claim(runs: list[Run[FloatArray]], covers: bool) -> Claim:
 
 
 def _path(leg: PosedLeg, case: Case, z: FloatArray, polish: bool) -> Path:
-    """The path of a point z, shape (3,), in the case's order of turns."""
+    """The path of a point z, shape (3,).
+
+    The order of the turns is that of the case. With `polish` the point is first moved to meet the
+    target, where that is possible.
+    """
     scenario = leg.question.scenario
     if polish:
         turns = z[[1, 0, 2]] if case.subproblem.mirrored else z  # left, right, straight
@@ -214,7 +233,10 @@ def _path(leg: PosedLeg, case: Case, z: FloatArray, polish: bool) -> Path:
 
 
 def _words(name: str, z: FloatArray) -> tuple[str, ...]:
-    """The words that a point's lengths may stand for; first, whose missing length is least."""
+    """The words that a point's lengths may stand for.
+
+    The first one is the word whose missing length is least.
+    """
     if len(name) == 2:
         return (name,)
     missing = sorted(range(3), key=lambda i: float(z[i]))

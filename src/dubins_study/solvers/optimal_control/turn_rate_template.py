@@ -1,4 +1,7 @@
-"""The QP of `turn-rate-qp`: stated in cvxpy, compiled once, solved for many sets of numbers."""
+"""The QP of `turn-rate-qp`, compiled once.
+
+It is stated in cvxpy and solved for many sets of numbers.
+"""
 
 from __future__ import annotations
 
@@ -14,9 +17,11 @@ from dubins_study.study.arrays import FloatArray
 
 
 class QpAnswer(NamedTuple):
-    """A QP's solution: changes of headings z (N,) and lengths t (legs,), duals (legs, 2), value.
+    """A QP's solution.
 
-    `slack` is the sum of the slacks; `solved` is False if the engine stopped at a limit.
+    It has the changes of the headings z (N,) and of the lengths t (legs,), the duals (legs, 2) and
+    the objective's value. `slack` is the sum of the slacks. `solved` is False if the engine stopped
+    at a limit.
     """
 
     z: FloatArray
@@ -28,11 +33,17 @@ class QpAnswer(NamedTuple):
 
 
 class EngineError(RuntimeError):
-    """The QP engine gave no usable answer; the message is the engine's."""
+    """The QP engine gave no usable answer.
+
+    The message is the engine's.
+    """
 
 
 class Numbers(NamedTuple):
-    """The numbers of a QP with N steps; scalars are arrays of shape (1,)."""
+    """The numbers of a QP with N steps.
+
+    Scalars are arrays of shape (1,).
+    """
 
     G: FloatArray  # (2, N)
     P: FloatArray  # (2, legs), like q and r
@@ -55,7 +66,10 @@ _MARK = 1000.0  # more than any other number in a compiled QP
 
 
 class QpTemplate:
-    """The QP for n steps a leg, N in all, a final heading or none, and an engine.
+    """The compiled QP for n steps a leg.
+
+    There are N steps in all, a final heading or none, and one engine. A leg's length changes by its
+    part t of itself. Headings and lengths are in units that the caller chooses:
 
     A leg's length changes by its part t of itself; headings are in units that the caller chooses,
     lengths in those of the caller too:
@@ -103,7 +117,10 @@ class QpTemplate:
         self.memory: dict[str, Any] = {}  # the engine's, from one QP to the next
 
     def stated(self, p: Numbers) -> tuple[Any, list[Any]]:
-        """The problem in cvxpy for these numbers, and its first two equations."""
+        """The problem in cvxpy for these numbers.
+
+        Returns also its first two equations.
+        """
         import cvxpy as cp
 
         n, legs = self.n, self.legs
@@ -159,7 +176,10 @@ class QpTemplate:
         return self.chain.invert(raw, self.inverse)
 
     def solve(self, numbers: Numbers, options: OptionValues, seconds: float) -> QpAnswer:
-        """Solve the QP for these numbers; an EngineError if there is no answer."""
+        """Solve the QP for these numbers.
+
+        Raises an EngineError if there is no answer.
+        """
         import cvxpy as cp
 
         # PIQP has no limit of time; its 250 iterations are short enough
@@ -186,7 +206,10 @@ class QpTemplate:
 
 
 def _values(array: Any) -> Any:
-    """A writable view of the floating-point numbers of a dense or sparse array; else None."""
+    """The floating-point numbers of an array, as a view.
+
+    The array is dense or sparse, and the view is writable. None if it has no such numbers.
+    """
     values = array.data if issparse(array) else array
     floats = isinstance(values, np.ndarray) and values.dtype == np.float64
     return values if floats and values.size else None
@@ -194,5 +217,8 @@ def _values(array: Any) -> Any:
 
 @lru_cache(maxsize=32)
 def template(n: int, legs: int, final: bool, engine: str) -> QpTemplate:
-    """The compiled QP; kept, since compiling takes as long as many solves."""
+    """The compiled QP.
+
+    It is kept, since compiling takes as long as many solves.
+    """
     return QpTemplate(n, legs, final, engine)

@@ -1,8 +1,8 @@
-"""`penalty`: the paper's model (4.12) as one function of its lengths, searched by sampling.
+"""`penalty`: the model (4.12) as one function, searched.
 
-While the least point misses the target, the miss's weight is multiplied and the search begun anew
+While the least point misses the target, the miss's weight is multiplied and a new search begins
 (Nocedal and Wright 2006, Numerical Optimization, Framework 17.2). No engine here checks a condition
-of optimality, so the claim is `feasible` at most, and that no path exists is never said.
+of optimality, so the claim is `feasible` at most. The solver never claims that no path exists.
 """
 
 from __future__ import annotations
@@ -115,7 +115,10 @@ class Penalty(SearchSolver):
     def _searches(
         self, question: Question, case: Case, number: int, until: float
     ) -> Iterator[Run[FloatArray]]:
-        """The searches of a case; a run's result has the engine's own z, shape (3,)."""
+        """The searches of a case.
+
+        A run's result has the engine's own z, shape (3,).
+        """
         seed = self.seed + question.repeat
         random = np.random.default_rng((seed, number))
         guesses: list[FloatArray | None] = [None]
@@ -142,7 +145,10 @@ class Penalty(SearchSolver):
         random: np.random.Generator,
         until: float,
     ) -> Run[FloatArray]:
-        """One search; the run's point is that of its result after the correction."""
+        """Run one search.
+
+        The run's point is that of its result after the correction.
+        """
         began = perf_counter()
         penalised = PenaltyFunction(case, weight)
         budget = self.evaluations or self.library.evaluations
@@ -165,7 +171,11 @@ def _miss(case: Case, z: FloatArray) -> float:
 
 
 def _answer(scenario: Scenario, runs: list[Run[FloatArray]]) -> Solution:
-    """The shortest path that arrives; if none does, the one that ends nearest to the target."""
+    """The answer of all runs.
+
+    It is the shortest path that arrives. If none does, it is the one that ends nearest to the
+    target.
+    """
     begun = [run for run in runs if np.isfinite(run.point).all()]
     if not begun:
         return nothing_found(runs)

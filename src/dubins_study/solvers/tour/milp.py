@@ -1,4 +1,7 @@
-"""`tour-milp`: a tour through headings on a grid, by engines of mixed-integer linear programs."""
+"""`tour-milp`: a tour through headings on a grid.
+
+Engines of mixed-integer linear programs solve it.
+"""
 
 from __future__ import annotations
 
@@ -35,7 +38,9 @@ _ENGINES = ("highs", "scip", "glpk", "cbc")
 
 @dataclass(frozen=True)
 class TourMilp(EngineSolver):
-    """Points in any order and headings on a grid: a generalised travelling salesman problem.
+    """Points in any order and headings on a grid.
+
+    It is a generalised travelling salesman problem.
 
     Args:
         engine: `highs`, `scip`, `glpk`, or `cbc` by OR-tools.
