@@ -65,7 +65,7 @@ _FOR_A_PLANNER = (
     "scenario",
     "row",
 )
-_REPR_CHARS = 96  # of a line of an answer's repr
+_REPR_CHARS = 96  # in a line of an answer's repr
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -269,7 +269,7 @@ def judged(
     fields |= vars(reply.times) | vars(judgement) | vars(certificate)
     fields |= {name: getattr(solution, name) for name in _REPORTED}
     fields |= {name: _finite(fields[name]) for name in _REPORTED_NUMBERS} | _spent(solution)
-    if solution.presolved:  # whatever the check finds, no engine has proved anything
+    if solution.presolved:  # no engine has proved anything, whatever the check finds
         fields["proof"] = Proof.NONE
     return Answer(
         scenario=scenario,
@@ -292,7 +292,7 @@ def shorter_answer(answer: Answer) -> Answer | None:
     """
     if answer.verdict not in _SHORTER_KNOWN or pathless_kind_of(answer.branch):
         return None
-    at_once = replace(DEFAULT, until=-math.inf)  # it was found when the answer was judged
+    at_once = replace(DEFAULT, until=-math.inf)  # the search was made when the answer was judged
     path = reference_of(answer.scenario, answer.branch, at_once).path
     found = Reply(Outcome.RETURNED, Solution(Claim.NONE, path))
     return judged("the check", Question(answer.scenario, answer.branch), found, at_once)

@@ -96,7 +96,7 @@ def _all_at_once(
     """
     from dubins_study.study.judging.verdict_frame import judge_frame
 
-    # a solver is given a frame of its own, so that the questions stay what was asked
+    # the solver gets a copy, so that it cannot change the questions
     outcome, solution, seconds = _run(whole, frame.copy(deep=False), branch)
     judged = judge_frame(frame, solution.paths, solution.claim, branch, allowed)
     arrays = _arrays(solution, judged)
@@ -125,7 +125,7 @@ def _run(
             raise TypeError(f"there are {len(solution.paths)} paths for {len(frame)} scenarios")
     except KeyboardInterrupt:
         raise
-    except BaseException as error:  # what a backend raises is its result
+    except BaseException as error:  # a backend's exception is its result
         seconds = perf_counter() - began
         none = np.zeros((2, len(frame)))
         nothing = Paths(none, none, np.zeros(len(frame), np.bool_))
@@ -182,7 +182,7 @@ def _texts(codes: Any, texts: Iterable[str]) -> Any:
 
     The code 255 stands for a missing text.
     """
-    signed = np.asarray(codes, np.uint8).view(np.int8)  # in which 255 is -1, as pandas wants it
+    signed = np.asarray(codes, np.uint8).view(np.int8)  # 255 becomes -1, missing to pandas
     categories = pd.Index([_storable(str(text)) for text in texts])
     return pd.Categorical.from_codes(signed, categories, validate=False)
 
@@ -240,7 +240,7 @@ def checked(scenarios: pd.DataFrame) -> tuple[pd.DataFrame, pd.DataFrame]:
     if not isinstance(scenarios, pd.DataFrame):
         return check_frame(scenarios), pd.DataFrame()
     known = {*names(SCENARIO), "via"}
-    # a column that is missing has a default, which a slip of its name must not bring about
+    # a misspelt column must not be replaced by its default
     missing = [name for name in DEFAULTS if name not in scenarios]
     of_answers = {*names(ANSWER)}
     own = np.array(
@@ -251,7 +251,7 @@ def checked(scenarios: pd.DataFrame) -> tuple[pd.DataFrame, pd.DataFrame]:
         np.bool_,
     )
     others = scenarios.loc[:, ~own & ~scenarios.columns.isin(of_answers)]
-    # a choice of columns would copy them
+    # to choose columns would copy them
     return check_frame(scenarios if own.all() else scenarios.loc[:, own]), others
 
 
@@ -308,7 +308,7 @@ def _typed(values: Sequence[Any], kind: str) -> Any:
     match kind:
         case "string":
             texts = [None if value is None else _storable(str(value)) for value in values]
-            return pd.Categorical(pd.array(texts, "str"))  # as the texts of `_texts` are
+            return pd.Categorical(pd.array(texts, "str"))  # the dtype of texts in `_texts`
         case "float64":
             return np.array(values, np.float64)  # None is NaN
         case "int64":

@@ -14,8 +14,9 @@ from dubins_study.study.words import NEEDS, Claim, Outcome
 
 # Long enough for every backend on every question; a solve here lasts microseconds to seconds.
 DEFAULT_LIMIT = 60.0
-# The part of its limit that a solver is not told of, nor of what building took: an engine that ends
-# on the second still has to hand over its answer, and one after the limit is a failure.
+# The share of the limit that a solver does not get; the time for building is taken off too. An
+# engine that ends just in time still has to hand over its answer, and an answer after the limit is
+# a failure.
 _HELD_BACK = 0.05
 
 _NO_TIMES = Times()
@@ -33,8 +34,8 @@ class Reply(NamedTuple):
     started: str = ""  # when the solve started (UTC, ISO 8601); empty if it did not start
     versions: str = ""  # of the solver's libraries, as JSON
     code_digest: str = ""  # of the solver's code (see `code_digest`); empty if it did not load
-    memory_mib: float | None = None  # what the solve added to the memory of its process
-    floor_s: float | None = None  # what the engine takes for a trivial problem
+    memory_mib: float | None = None  # added by the solve to the memory of its process
+    floor_s: float | None = None  # the engine's time for a trivial problem
 
 
 def no_answer(outcome: Outcome, message: str, times: Times = _NO_TIMES, status: str = "") -> Reply:
@@ -79,7 +80,7 @@ def ask(
             raise TypeError(f"solve returned {type(solution).__name__}; expected a Solution")
     except KeyboardInterrupt:
         raise
-    except BaseException as error:  # what a backend raises is its result
+    except BaseException as error:  # a backend's exception is its result
         ended = perf_counter()
         if raised is not None:
             raised(error)
@@ -89,7 +90,7 @@ def ask(
     return Reply(Outcome.RETURNED, solution, Times(built - began, ended - built, ended - began))
 
 
-_CLOCKS_APART_S = 1e-3  # that two readings of the machine's clocks may differ by
+_CLOCKS_APART_S = 1e-3  # largest difference between two readings of the machine's clocks
 
 
 def with_possible_times(reply: Reply, waited_s: float) -> Reply:
@@ -107,7 +108,7 @@ def with_possible_times(reply: Reply, waited_s: float) -> Reply:
     return reply
 
 
-_MAX_MESSAGE_CHARS = 2000  # a row is no place for more
+_MAX_MESSAGE_CHARS = 2000  # a row holds no longer message
 
 
 def exception_text(error: BaseException) -> str:

@@ -278,8 +278,8 @@ class Closed(NamedTuple):
     rolled: Rollout
 
 
-_STEPS = 30  # Newton's method takes 1 to 5; more are needed where rates reach their bounds
-_MOST_GROWTH = 0.5  # of the logarithm of a length in a step
+_STEPS = 30  # at most; Newton's method takes 1 to 5, and more where rates reach their bounds
+_MOST_GROWTH = 0.5  # of the logarithm of a length, in one step
 _WITHIN = 0.9  # the share of the way to a bound that a gentle step may go
 
 

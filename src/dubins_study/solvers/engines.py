@@ -44,18 +44,18 @@ class Engine(NamedTuple):
     """
 
     label: str  # its name as its makers write it, which rows hold
-    kind: str  # of the problems that it reads; heads it in tables
+    kind: str  # of the problems that it reads; also its heading in tables
     packages: tuple[str, ...]  # those that must be installed
-    # its adapter, or `room.module:function` of that; empty if one solver has it itself
+    # its adapter, or that one's `package.module:function`; empty if a solver calls it directly
     place: str | Callable[..., Any] = ""
     arguments: Mapping[str, Any] = MappingProxyType({})  # of the adapter, beside the options
     options: Options = Options()
-    # `room.module:function` that says why it answers no question here, or returns None
+    # `package.module:function` that returns the reason why it cannot run here, or None
     check: str = ""
     versions: Callable[[], dict[str, str]] | None = None  # of the library inside the package
     keeps_limit: bool = True  # whether a run ends at most a second after its seconds are up
-    # The budget of one search if none is given: the two searches that a target outside the discs
-    # takes are over in about 0.15 s.
+    # The default budget of one search. A target outside the discs takes two searches, which are
+    # then over in about 0.15 s.
     evaluations: int = 0
 
     def unavailable(self) -> str | None:
@@ -98,7 +98,7 @@ class Engine(NamedTuple):
         return Method(formulation, self.label, guess, self.tolerance(options, tol))
 
 
-# what makes the results of engines of nonlinear programs tell of the points where they failed
+# adds the slope of the violation to the results of engines of nonlinear programs
 _MEASURED = "nlp_engines.violation:measured"
 
 
@@ -235,7 +235,7 @@ ENGINES = {
         keeps_limit=False,
     ),
     "bonmin": _nlpsol("Bonmin", "bonmin", _OF_BONMIN, keeps_limit=False),
-    # loads casadi's HiGHS, whose symbols then stand in for those of the package highspy
+    # loads casadi's HiGHS, whose symbols then replace those of the package highspy
     "sleqp": _nlpsol(
         "SLEQP",
         "sleqp",
@@ -273,7 +273,7 @@ ENGINES = {
     "scip": Engine(
         "SCIP", PROVEN, ("pyscipopt",), "minlp_engines.scip:scip", versions=scip_in_pyscipopt
     ),
-    # counts the processor's seconds, and whole ones
+    # its time limit is in whole seconds of processor time
     "maingo": Engine(
         "MAiNGO", PROVEN, ("maingopy",), "minlp_engines.maingo:maingo", keeps_limit=False
     ),
@@ -314,7 +314,7 @@ ENGINES = {
         ),
         evaluations=1000,
     ),
-    # both end by themselves long before the budget
+    # both end long before the budget is spent
     "nelder-mead": Engine(
         "Nelder-Mead",
         DERIVATIVE_FREE,
@@ -340,7 +340,7 @@ ENGINES = {
     ),
     "hybr": Engine("MINPACK hybr", ROOTS, ("scipy",), options=Options((), ("xtol",), "maxfev")),
     "lm": Engine("MINPACK lm", ROOTS, ("scipy",), options=Options((), ("xtol", "ftol"), "maxiter")),
-    # cvxpy starts those of quadratic programs
+    # cvxpy calls the engines of quadratic programs
     "piqp": Engine(
         "PIQP",
         QP,
@@ -383,17 +383,17 @@ ENGINES = {
         ),
     ),
     "glpk": Engine("GLPK", MILP, ("swiglpk",), keeps_limit=False),
-    # Of OR-tools, in whose package lies another HiGHS than highspy's: a process that has loaded one
-    # of the two cannot load the other.
-    # counts the processor's seconds
+    # CBC, CP-SAT and the routing library are those of OR-tools. Its package has another HiGHS than
+    # highspy's: a process that has loaded one of the two cannot load the other.
+    # The time limit of CBC is in seconds of processor time.
     "cbc": Engine("CBC", MILP, ("ortools",), keeps_limit=False),
     "cp-sat": Engine("CP-SAT", CONSTRAINTS, ("ortools",), keeps_limit=False),
     "routing": Engine("OR-Tools routing", ROUTING, ("ortools",), keeps_limit=False),
 }
 
 
-# By the beginning of an executable's name: what AMPL's users call its options. The time limit is
-# kept in any case: at its end the executable is ended.
+# By the beginning of an executable's name: the names of its options in AMPL. The time limit holds
+# without an option too: the executable is ended when it is up.
 EXECUTABLES = {
     "ipopt": Keywords(
         Options(("tol", "constr_viol_tol"), ("tol", "dual_inf_tol", "compl_inf_tol"), "max_iter"),
@@ -442,7 +442,7 @@ def others(solver: str, engines: tuple[str, ...], *default: str) -> tuple[str, .
     return tuple(f"{solver}[engine={name}]" for name in engines if name not in default)
 
 
-# those with solvers of their own for the paper's model
+# engines that have solvers of their own for the paper's model
 APART = ("slsqp", "ipopt")
 # the engines that read any program of `nlp_engines.program`
 NLP_ENGINES = tuple(name for name in names(NLP) if ENGINES[name].place)

@@ -26,7 +26,7 @@ from dubins_study.study.words import (
 )
 
 _BOUNDS_ONLY = "takes bounds and no equations, of which the penalty is made"
-# kind of engine -> why its engines read no other formulations than they do
+# kind of engine -> why its engines do not read the other formulations
 _REASONS = {
     EXACT: "no engine is needed for a formula",
     NLP: "reaches this engine only as Pyomo's model of (4.12)",
@@ -88,7 +88,7 @@ def _of_engine(name: str, kind: str) -> Iterator[MatrixEntry]:
         engine = label
         if asked is not None:
             reason = unavailable(asked[1])
-            engine = stated_method(asked[1]).engine  # exact ones are several
+            engine = stated_method(asked[1]).engine  # the exact methods have several names
         yield MatrixEntry(
             formulation=formulation.name,
             engine=engine,

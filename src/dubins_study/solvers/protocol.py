@@ -111,9 +111,9 @@ class Method(NamedTuple):
 NOT_STATED = Method()
 
 
-# The check has no limit of its own, and a caller waits for it after the solver's: it takes 0.1 to
-# 0.7 s of processor time for this many arcs (about 10 us an arc, spread evenly over its steps), a
-# hundred times as many as the finest grid of an experiment.
+# The check has no time limit of its own, and a caller waits for it after the solver's limit. It
+# takes 0.1 to 0.7 s of processor time for this many arcs (about 10 us an arc, spread evenly over
+# its steps). They are a hundred times as many as those of the finest grid of an experiment.
 MAX_ARCS = 2**16
 
 
@@ -162,7 +162,7 @@ def _path(value: Any) -> Path:
     return value
 
 
-# The largest count that a results folder holds: beyond it doubles leave out whole numbers.
+# The largest count that a results folder holds: not all whole numbers above it are doubles.
 _MAX_COUNT = 2**53
 
 
@@ -205,8 +205,8 @@ def _trace(value: Any) -> tuple[tuple[int, Path], ...]:
     return tuple((_count(evaluations), _path(path)) for evaluations, path in value)
 
 
-# what makes a plain value of what a solver gives, by the annotation of the field, and how a message
-# names what was expected
+# by the annotation of a field: the function that makes a plain value of the solver's value, and the
+# name of the expected type in messages
 _OF_TYPE: dict[str, tuple[Callable[[Any], Any], str]] = {
     "Claim": (Claim, f"one of: {', '.join(Claim)}"),
     "Path | None": (_path, "a Path or None"),

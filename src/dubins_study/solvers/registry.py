@@ -35,7 +35,7 @@ class Entry(NamedTuple):
     branches: tuple[str, ...]
     summary: str
     settings: dict[str, Any]
-    reason: str | None  # why it is not available; None when it is
+    reason: str | None  # why it is not available; None if it is
 
 
 @cache
@@ -119,7 +119,7 @@ def _entry(name: str) -> Entry:
     )
 
 
-# begins the reason of a solver that does not say whether it is available
+# the reason begins like this if a solver's `unavailable` raises
 UNKNOWN = "asking whether it is available raised"
 
 
@@ -281,7 +281,7 @@ def _are_profiles(value: Any) -> bool:
     return isinstance(value, dict) and all(isinstance(each, dict) for each in value.values())
 
 
-# attribute of a class -> whether its value is one, and what is expected
+# attribute of a class -> the test of its value, and the text of the expected value
 _DECLARED = {
     "branches": (_are_texts, "texts, a tuple"),
     "packages": (_are_texts, "texts, a tuple"),

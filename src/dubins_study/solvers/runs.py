@@ -60,7 +60,7 @@ class Run(NamedTuple, Generic[Point]):
     point: Point  # from which the formulation makes the path
     length: float = math.inf  # radii; infinite without a path
     miss: float = math.inf  # radii
-    bound: float = -math.inf  # radii: what the engine proves of the length
+    bound: float = -math.inf  # radii: the engine's lower bound on the length
 
     @property
     def claim(self) -> Claim:
@@ -102,7 +102,7 @@ class Attempts(NamedTuple, Generic[Guess, Point]):
 
     guesses: Iterable[Guess]
     solve: Callable[[Guess, float], Run[Point]]  # until a time (s, on `perf_counter`)
-    enough: Callable[[Run[Point]], bool]  # whether a solution leaves no reason to try another guess
+    enough: Callable[[Run[Point]], bool]  # whether a solution makes further guesses needless
 
 
 def tried(attempts: Iterable[Attempts[Guess, Point]], until: float) -> list[Run[Point]]:
@@ -147,7 +147,7 @@ def settled(
     return best, Claim.FAILED if off else claim
 
 
-# of an engine that ended by itself, without a path
+# claims of an engine that ended by itself, without a path
 _WITHOUT_PATH = (Claim.FAILED, Claim.LOCALLY_INFEASIBLE)
 
 

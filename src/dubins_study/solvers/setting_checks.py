@@ -61,7 +61,7 @@ def one_of(default: str, choices: Collection[str]) -> Any:
     return _setting(default, lambda value: value in choices, expected, choices)
 
 
-# A path would let whoever writes an experiment choose the file that is run.
+# No path: it would let the author of an experiment choose the file that is run.
 _PROGRAM = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.-]*")
 
 
@@ -112,8 +112,8 @@ def whole(default: int, least: int, most: int) -> Any:
 # `equal` comes first: it is the default of the setting `options`.
 OPTION_SETS = ("equal", "default", "tuned")
 
-# Of the set `equal`: a thousandth of what counts as arriving (`study.tolerances.ARRIVES`), and what
-# qpbenchmark asks for as high accuracy.
+# The tolerances of the set `equal`: a thousandth of the distance that counts as arriving
+# (`study.tolerances.ARRIVES`). qpbenchmark asks for the same as high accuracy.
 FEASIBILITY = OPTIMALITY = 1e-9
 
 
@@ -132,7 +132,7 @@ class Options(NamedTuple):
     iterations: str = ""  # the limit of iterations
     always: Mapping[str, Any] = MappingProxyType({})  # in every set
     why: str = ""  # of `always`
-    tuned: Mapping[str, Any] = MappingProxyType({})  # what the makers advise, beside `always`
+    tuned: Mapping[str, Any] = MappingProxyType({})  # the makers' advice, beside `always`
     source: str = ""  # of `tuned`
 
     def of(self, name: str, tol: float = 0.0, max_iter: int = 0) -> OptionValues:

@@ -7,12 +7,14 @@ from dubins_study.study.words import Claim
 # By the names of engines: each claim, and the statuses that make it. The names `casadi`, `cvxpy`,
 # `pyomo` and `ampl` are those of interfaces with statuses of their own.
 #
-# `optimal`, `local`: solved, to the tolerances that were asked for. `feasible`: a point, and no
-# more. `infeasible`: no point exists. `locally infeasible`: none near the point at which a local
-# engine ended. `limit`: a limit ended the run, whatever the engine says of its point by then. What
-# is not named is `failed`: also a problem
-# that is solved, or proved infeasible, to less than was asked ("almost", "close to"), and one that
-# is called unbounded or dual infeasible, as no problem here is.
+# `optimal`, `local`: solved, to the tolerances that were asked for.
+# `feasible`: a point, and no more.
+# `infeasible`: no point exists.
+# `locally infeasible`: no point exists near the one at which a local engine ended.
+# `limit`: a limit ended the run, whatever the engine reports of its point.
+# A status that is not listed is `failed`. So are a problem that is solved, or proved infeasible, to
+# less than was asked ("almost", "close to"), and one that is called unbounded or dual infeasible:
+# no problem here is either of the two.
 STATUSES: dict[str, dict[str, tuple[str, ...]]] = {
     # scipy/optimize, slsqp: 99 is a stop by the callback; 4, an infeasible linearisation, is no
     # claim about the problem
@@ -64,7 +66,7 @@ STATUSES: dict[str, dict[str, tuple[str, ...]]] = {
         "limit": ("iteration limit", "time limit"),
         "failed": ("deadpoint", "unbounded"),
     },
-    # its last words
+    # the last line that it prints
     "apopt": {
         "local": ("Successful solution",),
         "locally infeasible": ("No feasible solution",),

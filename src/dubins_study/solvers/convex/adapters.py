@@ -39,7 +39,7 @@ class Ask(NamedTuple):
 
     tolerance: float
     seconds: float
-    tuned: bool = False  # whether by the options that its makers advise
+    tuned: bool = False  # whether with the options that its makers advise
 
 
 class Reply(NamedTuple):
@@ -391,15 +391,15 @@ class Engine(NamedTuple):
     label: str  # its name as its makers write it
     package: str
     own: Callable[[Problem], Prepared]  # its adapter by its own interface
-    # the status of what it returns, by its own interface or to cvxpy
+    # reads the status of its result, whether returned by its own interface or to cvxpy
     status: Callable[[Any], Any]
     tolerances: tuple[str, ...]
     zeros: tuple[str, ...] = ()  # relative tolerances
     seconds: str = ""  # the limit of time, where there is one
     others: Mapping[str, Any] = MappingProxyType({})
     cones: bool = False
-    least: float = 0.0  # tolerance that it takes
-    tuned: Mapping[str, Any] = MappingProxyType({})  # what its makers advise, beside the rest
+    least: float = 0.0  # smallest tolerance that it takes
+    tuned: Mapping[str, Any] = MappingProxyType({})  # its makers' advice, beside the rest
 
     def options(self, ask: Ask) -> OptionValues:
         """The engine's options, by their names."""
@@ -414,7 +414,7 @@ _MANY = 10**7  # iterations: the time limit ends first
 _INFO_STATUS = attrgetter("info.status")
 _INFO_STATUS_NAME = attrgetter("info.status.name")
 
-# Where cvxpy has defaults of its own, the maker's stand here.
+# Where cvxpy has other defaults than the maker, the maker's are used.
 ENGINES = {
     "piqp": Engine(
         "PIQP",
@@ -473,8 +473,8 @@ ENGINES = {
         _INFO_STATUS_NAME,
         tolerances=("eps_abs", "eps_duality_gap_abs"),
         zeros=("eps_rel", "eps_duality_gap_rel"),
-        # infeasibility to less than is asked of solutions (with the default, 1e-4, it denies some),
-        # and the gap, which it does not look at otherwise
+        # The tolerances on infeasibility are smaller than those on solutions: with the default,
+        # 1e-4, it calls some feasible problems infeasible. The gap is checked on request only.
         tuned={"eps_primal_inf": 1e-12, "eps_dual_inf": 1e-12, "check_duality_gap": True},
     ),
     "qpalm": Engine(

@@ -33,7 +33,7 @@ class Convex(Solver):
         engine: piqp, clarabel, osqp, scs, highs, proxqp, qpalm, ecos or daqp.
         interface: `own`, the library's own, or `cvxpy`.
         tolerance: absolute tolerance that the engine is asked for; the relative one is zero.
-        options: `equal`, or `tuned`: what the makers of osqp and proxqp advise (docs/convex.md).
+        options: `equal`, or `tuned`, as the makers of osqp and proxqp advise (docs/convex.md).
     """
 
     engine: str = one_of("piqp", tuple(ENGINES))

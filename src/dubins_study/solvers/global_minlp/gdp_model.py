@@ -24,7 +24,7 @@ _OF_LEGS = POSE_BRANCHES[1:]  # words of a leg to a given heading; `WORDS` are t
 _THREE_ARCS = 4.0  # radii; points so far apart are joined by no shortest path of three arcs
 TRANSFORMATIONS = ("bigm", "hull")
 _QUARTER = TWO_PI / 4
-# binaries that say how many whole turns a heading is off, from _FEWEST_TURNS on
+# binaries for the number of whole turns by which a heading is off, from _FEWEST_TURNS on
 _TURN_DIGITS, _FEWEST_TURNS = (1, 2, 4), -3
 
 # of each leg the steps (radii) that it may take, by the points at both ends; 0 is the start
@@ -34,8 +34,8 @@ Steps = list[dict[tuple[int, int], FloatArray]]
 def steps_in_any_order(course: Course, with_target: bool) -> Steps:
     """Each leg's possible steps if the order is free.
 
-    They lead from any point of the course to any other. With a target the last point is passed
-    last.
+    They lead from any point where the leg may begin to any other where it may end. With a target
+    the last point is passed last.
     """
     points = np.vstack((np.zeros(2), np.cumsum(course.steps, axis=0)))
     last = course.legs

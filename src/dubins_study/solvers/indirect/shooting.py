@@ -52,8 +52,8 @@ class Shooting(Solver):
         tol: largest residual of an extremal: the miss in radii, and every costate condition with
             (nu0, nu1, nu2) of length 1.
         max_evaluations: largest number of evaluations of the conditions from one initial guess.
-        options: whose choice the end of MINPACK's iteration is (docs/engines.md): `equal` has
-            steps below 1e-4 `tol`, and `max_evaluations`; `default` and `tuned` MINPACK's own.
+        options: the end of MINPACK's iteration (docs/engines.md): with `equal`, steps below
+            1e-4 `tol` or `max_evaluations`; with `default` and `tuned`, MINPACK's own rule.
         presolve: whether words that cannot exist are left out (`solvers.presolve`).
     """
 

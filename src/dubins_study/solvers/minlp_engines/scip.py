@@ -21,7 +21,7 @@ from dubins_study.solvers.minlp_engines.mixed_program import (
 from dubins_study.solvers.statuses import claim_of
 from dubins_study.study.words import Claim
 
-_redirection = Lock()  # of two threads, each would save what the other has set
+_redirection = Lock()  # else each of two threads would save the descriptor that the other has set
 
 
 @contextmanager
@@ -40,7 +40,7 @@ def _silent_errors() -> Iterator[None]:
         yield
 
 
-# what the message of every error of SCIP's own begins with: they have no type of their own
+# the message of every error of SCIP begins like this; these errors have no type of their own
 BROKEN = "SCIP:"
 
 # beside heuristics and cuts: without presolving and propagation

@@ -122,7 +122,7 @@ def _read(model: Any, written: NlFile, text: str, executable: str) -> EngineResu
     try:
         values = loader.get_vars(variables)
     except (PyomoException, AssertionError, LookupError):
-        # each loader has its own way to say that there is no point, which some claims do not need
+        # each loader reports a missing point in its own way; some claims need no point
         pointless = claim if claim in (*DENIALS, Claim.LIMIT) else Claim.FAILED
         return no_point(len(variables), pointless, status, message)
     x = np.array([values[variable] for variable in variables])

@@ -44,9 +44,9 @@ _PLUGINS = {
 }
 
 
-# What every engine of casadi is given: scalar expressions evaluate faster than matrix ones, and
-# casadi would warn of every NaN that Ipopt tries on a word without a path; nobody reads the
-# sensitivities to the parameters.
+# Options of every engine of casadi. Scalar expressions evaluate faster than matrix ones. casadi
+# would warn of every NaN that Ipopt tries on a word without a path. The sensitivities to the
+# parameters are not used.
 _PLAIN = {"print_time": False, "expand": True, "show_eval_warnings": False, "calc_lam_p": False}
 
 
@@ -177,7 +177,7 @@ def nlpsol(options: OptionValues, plugin: str) -> NlpCall:
 
     def run(program: Program, guess: FloatArray, seconds: float) -> EngineResult:
         with ExitStack() as streams:
-            if plugin != "ipopt":  # whose options silence it; what others print is Python's output
+            if plugin != "ipopt":  # its options silence it; the others print to Python's output
                 streams.enter_context(redirect_stdout(StringIO()))
                 streams.enter_context(redirect_stderr(StringIO()))
             watched = _PLUGINS[plugin].watched and needs_watch(max_iter, guess.size)

@@ -22,11 +22,11 @@ from dubins_study.study.words import Claim
 # The duals of two end-point equations whose path ends straight are a unit vector; up to this length
 # they are passed on without a check.
 _LONG_DUAL = 2.0
-_AT_BOUND = 1e-6  # in the variables' unit: nearer to a bound, its own dual has a say
+_AT_BOUND = 1e-6  # in the variables' unit: nearer to a bound, the bound's own dual counts
 # Variables up to which trust-constr gets dense matrices: at 10 legs of a route both kinds take it
 # 0.13 s, at 50 legs dense ones 2.9 s and sparse ones 0.4 s, in as many iterations.
 _MOST_DENSE = 60
-_STATIONARY = 1e-3  # slopes of 1 in all: what is off by more is no stationary point
+_STATIONARY = 1e-3  # where slopes are about 1: a point that is off by more is not stationary
 
 
 def slsqp(options: OptionValues) -> NlpCall:
@@ -94,7 +94,7 @@ def trust_constr(options: OptionValues) -> NlpCall:
             functions.equations, 0.0, 0.0, jac=functions.jacobian, hess=functions.hessian
         )
         with warnings.catch_warnings():
-            # of a singular Jacobian, which it then factorizes in another way
+            # SciPy warns of a singular Jacobian, which it then factorizes in another way
             warnings.simplefilter("ignore", UserWarning)
             result = _minimized(
                 "trust-constr",
@@ -144,7 +144,7 @@ def _minimized(
 
     until = None if seconds is None else perf_counter() + seconds
 
-    def stop_late(*_: Any) -> None:  # what SciPy tells it depends on the method
+    def stop_late(*_: Any) -> None:  # its arguments depend on the method
         if until is not None and perf_counter() > until:
             raise StopIteration
 

@@ -29,7 +29,7 @@ def filtersqp(options: OptionValues) -> NlpCall:
         for name, value in {**chosen, "time_limit": float(seconds)}.items():
             solver.set_option(name, value)
         result = solver.optimize(_model(program, guess))
-        # how it stopped, and what the point is, which counts where it ended of itself
+        # the first status is how it stopped; the second, of the point, counts if it ended by itself
         status = result.optimization_status.name
         if status == "SUCCESS":
             status = result.solution_status.name

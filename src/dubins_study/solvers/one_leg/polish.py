@@ -27,8 +27,8 @@ _HALVINGS = 8
 _OUTSIDE = 0.05
 
 
-# relative; a polished path is the solver's own if their lengths are as close as a tolerance of 1e-6
-# on the squared length of the straight leaves them
+# Relative. A polished path counts as the solver's own if the two lengths differ by no more. A
+# tolerance of 1e-6 on the squared length of the straight leaves such a difference.
 _NEAR = 1e-3
 
 

@@ -50,7 +50,7 @@ from dubins_study.study.words import IN_ORDER, Claim
 
 _ARRIVED = 1e-8  # radii; a hundredth of what the check allows
 _ROUNDED = 32 * math.ulp(1.0)  # of the target's distance
-_SAME = 1e-6  # relative; of two answers this near, one that its engine calls a solution is taken
+_SAME = 1e-6  # relative; among answers this close, one that its engine calls a solution is taken
 
 
 class Guess(NamedTuple):
@@ -107,7 +107,7 @@ class Template(NamedTuple):
     The course is in body coordinates.
     """
 
-    # of its leg's length that the n elements of a leg have, shape (legs, n); None if free
+    # of the leg's length, one for each of its n elements, shape (legs, n); None if free
     shares: FloatArray | None
     # from a guess, within the rates, until a time (s, on `perf_counter`)
     solve: Callable[[Guess, Rates, float], Transcribed]
@@ -128,11 +128,11 @@ class Transcription(EngineSolver):
 
     Each element has one turn rate, and each leg is a phase.
 
-    The engine's controls are integrated exactly; where the path misses by the transcription's own
-    error or the engine's tolerance, a last correction removes the miss. `LS` and `RS` forbid
-    turning the other way. For `best` of one leg with a free final heading, the engine starts from
-    the shape of every word, and the shortest path is the answer; a route, or a leg with a final
-    heading, has one guess that knows no word.
+    The engine's controls are integrated exactly. The path may miss by the transcription's own error
+    or the engine's tolerance; a last correction removes this miss. `LS` and `RS` forbid turning the
+    other way. For `best` of one leg with a free final heading, the engine starts from the shape of
+    every word, and the shortest path is the answer. A route, or a leg with a final heading, has one
+    guess that knows no word.
 
     Args:
         n: number of elements of a leg.

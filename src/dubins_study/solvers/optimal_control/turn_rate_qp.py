@@ -51,7 +51,7 @@ class TurnRateQp(Transcription):
 
     Each rate is held for a given part of the leg's length.
 
-    Every step is an exact arc, so the path can be driven; it is the best of its n steps, not of
+    Every step is an exact arc, so the path can be driven. It is the best path of n steps, not of
     all paths. Other settings: `Transcription`.
 
     Args:
@@ -61,7 +61,7 @@ class TurnRateQp(Transcription):
             circle's length at the start of the leg, where the path turns.
         tolerance: a sequence has converged when a QP promises less than this times the length.
         max_qps: most QPs from one initial guess.
-        options: whose choice the QP engine's options are, `equal`, `default` or `tuned`
+        options: the set of the QP engine's options: `equal`, `default` or `tuned`
             (docs/engines.md).
     """
 

@@ -62,7 +62,7 @@ class Numbers(NamedTuple):
     r_h: FloatArray
 
 
-_MARK = 1000.0  # more than any other number in a compiled QP
+_MARK = 1000.0  # larger than any other number in a compiled QP
 
 
 class QpTemplate:
@@ -81,14 +81,14 @@ class QpTemplate:
                     h z_N + s_+ - s_- = r_h                  the final heading, if one is given
                     |z_k| <= reach,  |t_i| <= stretch        the trust region
 
-    The first equation, two a leg, says where the leg leads, linearised; its z are those of its own
-    steps, and the one before them.
+    The first equation, two a leg, is the linearised end of the leg. Its z are those of the leg's
+    own steps, and the one before them.
 
-    cvxpy takes 1.2 ms at n = 50 to state the problem for new numbers, six times what PIQP needs to
-    solve it; with cvxpy's parameters it takes gigabytes to compile 200 legs. Here the problem is
-    compiled once, for numbers that tell which they are: an entry of the engine's matrices that is
-    as large is one of these, or its negative. New numbers are written straight into the engine's
-    arrays.
+    cvxpy takes 1.2 ms at n = 50 to state the problem for new numbers, six times the time in which
+    PIQP solves it. With cvxpy's parameters it takes gigabytes to compile 200 legs. Here the problem
+    is compiled once, for marks: large numbers, each of its own size. An entry of the engine's
+    matrices that is as large as a mark is this mark, or its negative. New numbers are later written
+    to these places, straight into the engine's arrays.
     """
 
     def __init__(self, n: int, legs: int, final: bool, engine: str) -> None:
@@ -98,7 +98,7 @@ class QpTemplate:
         self.z, self.t = cp.Variable(N), cp.Variable(legs)
         self.s = cp.Variable((4, legs))
         self.s_h = cp.Variable(2 if final else 0)
-        # of the numbers, in their order
+        # the shapes of the numbers, in their order
         shapes = [(2, N), *[(2, legs)] * 3, (legs,), *[(N,)] * 5, *[(1,)] * 5]
         ends = np.cumsum([np.prod(shape) for shape in shapes])
         parts = np.split(_MARK + np.arange(ends[-1]), ends[:-1])

@@ -75,8 +75,7 @@ class PaperNlp(EngineSolver):
         count: number of random guesses.
         capped: whether arcs are bounded by a full turn, which the paper does not do.
         presolve: whether words that cannot exist are left out (`solvers.presolve`).
-        options: whose choice the engine's options are, `equal`, `default` or `tuned`
-            (docs/engines.md).
+        options: the set of the engine's options: `equal`, `default` or `tuned` (docs/engines.md).
     """
 
     model: str = one_of("words", MODELS)
@@ -216,8 +215,8 @@ class Nlp(PaperNlp, _Named):
     The other settings: `PaperNlp`.
 
     Args:
-        options: whose choice the options of an engine of the table are, `equal`, `default` or
-            `tuned` (docs/engines.md); KNITRO runs with its defaults, as in the paper.
+        options: the set of the engine's options: `equal`, `default` or `tuned` (docs/engines.md).
+            KNITRO runs with its defaults, as in the paper.
         tol: the feasibility, and with most engines the optimality, that is asked for; 0 for that of
             `options`.
         max_iter: largest number of iterations; 0 for that of `options`.

@@ -156,7 +156,7 @@ def _ended(
     try:
         values = loader.get_vars(free)
     except (PyomoException, AssertionError, LookupError):
-        # each loader has its own way to say that there is no point, which some claims do not need
+        # each loader reports a missing point in its own way; some claims need no point
         pointless = claim if claim in (*DENIALS, Claim.LIMIT) else Claim.FAILED
         return no_point(3, pointless, status, message)
     z = np.array([0.0 if z.fixed else values[z] for z in model.z.values()])

@@ -68,7 +68,7 @@ class Headings(SearchSolver):
         count: number of random guesses.
         seed: of all random numbers, together with the question's repeat.
         options, tol, max_iter: as those of `nlp`; searches take no limits but `evaluations`.
-        evaluations: of the length, at most, for each search; 0 for the engine's default
+        evaluations: most evaluations of the length in a search; 0 for the engine's default
             (`solvers.engines`) times the number of unknown headings, at most 100 000.
         restarts: whether a search that ends earlier begins anew until the evaluations are spent.
         trace: whether the best headings so far are kept, with the evaluations that found them.

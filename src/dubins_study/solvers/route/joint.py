@@ -74,7 +74,7 @@ class PosedRoute(NamedTuple):
     route: Route
     places: Places
     program: Program
-    known: FloatArray | None  # of model `words`: the headings at the points that its words are of
+    known: FloatArray | None  # of model `words`: the headings to which its words belong
 
 
 @dataclass(frozen=True)
@@ -150,7 +150,7 @@ class RouteNlp(EngineSolver):
             return float(_arcs(x, places).sum())
 
         guesses = self._guesses(model)
-        enough = self.initial_guess == "bearing"  # of the others every guess is tried
+        enough = self.initial_guess == "bearing"  # of the other kinds every guess is tried
         attempts = Attempts(guesses, timed(self.model, solve, length), lambda _: enough)
         return _answer(model, tried([attempts], perf_counter() + limit))
 

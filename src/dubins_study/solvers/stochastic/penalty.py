@@ -42,8 +42,8 @@ from dubins_study.study.words import BRANCHES, DERIVATIVE_FREE, SAMPLING, Claim
 
 _ENGINES = names(SAMPLING, DERIVATIVE_FREE)
 _GROWTH = 4.0
-# radii: a point that misses by more has stopped short of the target, which a larger weight cures;
-# one that misses by less is the target's, as exactly as the engine got
+# Radii. A point that misses by more has stopped short of the target, and a larger weight helps. A
+# point that misses by less has arrived, as exactly as the engine could.
 _SHORT = 1e-2
 
 
@@ -56,8 +56,8 @@ class Penalty(SearchSolver):
         order: of the turns: `LRS`, `RLS` or `both`. A word as branch has its own.
         weight: of the miss in the first search; 1 is the norm of the multipliers of a path that
             ends straight, and 1.3 at a disc's centre.
-        rounds: searches at most, each with four times the weight of the one before.
-        evaluations: of the function, at most, for each search; 0 for the engine's default
+        rounds: most searches from a guess, each with four times the weight of the one before.
+        evaluations: most evaluations of the function in a search; 0 for the engine's default
             (`solvers.engines`), with which a target outside the discs takes some 0.15 s.
         polish: whether Newton's method moves the point until it arrives; without it the point is
             the engine's own.
@@ -65,8 +65,7 @@ class Penalty(SearchSolver):
             (`one_leg.initial_guesses`); engines that search the whole box take none.
         seed: of all random numbers, together with the question's repeat.
         presolve: whether a word as branch that cannot exist is answered without a search.
-        options: whose choice the engine's options are, `equal`, `default` or `tuned`
-            (docs/engines.md).
+        options: the set of the engine's options: `equal`, `default` or `tuned` (docs/engines.md).
         restarts: whether a search that ends earlier begins anew until the evaluations are spent.
     """
 
@@ -74,7 +73,7 @@ class Penalty(SearchSolver):
     order: str = one_of("both", ORDERS)
     weight: float = within(2.0, 1e-3, 1e9)
     rounds: int = whole(4, 1, 9)
-    # DIRECT takes memory for all of them at once, some seconds for more
+    # DIRECT takes the memory for all of them at once; for more this takes seconds
     evaluations: int = whole(0, 0, 10**6)
     polish: bool = True
     initial_guess: str = one_of("bearing", ("bearing", "zero", "random"))

@@ -205,13 +205,13 @@ class Task(NamedTuple):
         )
 
 
-# The engines: each minimises until it has enough, and returns its own message. The budget replaces
-# all limits of its own on evaluations and iterations.
+# The engines: each minimises until it stops by itself, and returns its own message. The budget
+# replaces all its own limits on evaluations and iterations.
 
 Search = Callable[[Task], str]
 
 
-# What SciPy's global searches are given beside the box and the options of their set.
+# Arguments of SciPy's global searches beside the box and the options of their set.
 _LIMITS: dict[str, Callable[[Task], OptionValues]] = {
     "differential_evolution": lambda task: {"maxiter": task.function.budget, "rng": task.random},
     "dual_annealing": lambda task: {"maxiter": task.function.budget, "rng": task.random},

@@ -27,9 +27,9 @@ from dubins_study.study.arrays import FloatArray, IntArray
 from dubins_study.study.words import Claim
 
 LENGTHS, BOUNDS = COSTS = ("lengths", "bounds")
-# Of a bound: more than tolerances of engines and rounded sums make of it.
+# The share taken off a bound: more than engines' tolerances and rounded sums add to it.
 _SAFE = 1e-6
-_UNITS = 1e6  # of whole costs in a radius, where the costs are not too long for that
+_UNITS = 1e6  # of whole costs in a radius, unless the costs are too long for that
 _MOST_UNITS = 1e12  # of all places together
 
 

@@ -109,7 +109,7 @@ def _visited(graph: Graph, search: str, seconds: float) -> Found:
     tour = routing.SolveWithParameters(parameters)
     status = _STATUSES[routing.status()]
     claim = claim_of("routing", status)
-    if tour is None or tour.ObjectiveValue() >= never:  # it has an arc that is none
+    if tour is None or tour.ObjectiveValue() >= never:  # the tour has a step that is no arc
         return Found(None, claim, status)
     index = routing.Start(0)
     visited = []
