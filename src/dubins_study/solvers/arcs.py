@@ -2,9 +2,9 @@
 
 The module computes where the legs end, and corrects a path that misses its points.
 
-An arc of turn a and length h leads by h sinc(a/2) along the heading theta + a/2. As sinc(z) is the
-mean of cos(z t) over 0 <= t <= 1, a quadrature replaces the quotient, which is undefined for a
-straight, by a sum of cosines that every engine can read.
+An arc of turn a and length h leads by h sinc(a/2) along the heading theta + a/2. The quotient in
+sinc(z) is undefined for a straight. But sinc(z) is the mean of cos(z t) over 0 <= t <= 1, so a
+quadrature replaces it by a sum of cosines that every engine can read.
 
 Everything is in body coordinates in units of the turning radius. All legs have n elements, so that
 N = n legs. The headings theta replace the turns a_k = theta_k - theta_{k-1} (theta_{-1} = 0): the

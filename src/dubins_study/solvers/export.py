@@ -210,7 +210,7 @@ def _convex_texts(_: Any, question: Question) -> Texts:
     return {".cbf": cbf_text(problem)} | quadratic
 
 
-# By the formulation's name: what makes the files of a question.
+# By the formulation's name: the function that writes the files of a question.
 WRITERS: dict[str, Callable[[Any, Question], Texts]] = {
     "paper": _paper_texts,
     "route-nlp": _route_texts,

@@ -79,7 +79,7 @@ class Method(NamedTuple):
         proves: the smallest relative gap that a bound of the solver's can prove with its settings;
             None if it gives no bound, or does not know.
         presolve: whether questions are presolved for the solver; its own attribute decides.
-        knows: what the solver knows of the answer beside what its formulation and guess do.
+        knows: the solver's knowledge of the answer, beyond that in its formulation and guess.
     """
 
     formulation: str = "not stated"
@@ -124,7 +124,7 @@ class Solution(Reported):
     The path is kept and judged whatever the claim.
 
     Args:
-        claim: what the solver says of its answer.
+        claim: the solver's claim about its answer.
         path: controls of at most `MAX_ARCS` arcs, or None if there is no point to return.
         claimed_length: objective value as the solver reports it (length unit).
         lower_bound: a bound on the scenario's shortest length, if the method proves one.
@@ -133,8 +133,8 @@ class Solution(Reported):
         iterations, evaluations: the solver's own counts, summed over its subproblems.
         native_status, message: the status and message of the library that solved.
         presolved: whether the presolve answered (`solvers.presolve`), and no engine was asked.
-        efforts: what each subproblem cost, in the order in which they were solved.
-        best_run: what the one run cost that the answer comes from.
+        efforts: the cost of each subproblem, in the order in which they were solved.
+        best_run: the cost of the run from which the answer comes.
         trace: paths on the way to the answer, each with the evaluations that were spent until then.
 
     Raises:
@@ -276,10 +276,11 @@ class Solver:
 
     Class attributes:
         name: the name in the registry, e.g. `turn-rate-qp`.
-        guarantee: what the method promises.
+        guarantee: the method's promise.
         branches: the branches that the solver can answer.
-        takes: what the solver can be asked, of `study.words.NEEDS`: `free final heading`, `final
-            heading`, `via points`. A scenario that needs more is `unsupported`, without a call.
+        takes: the needs that the solver can meet, of `study.words.NEEDS`: `free final heading`,
+            `final heading`, `via points`. A scenario that needs more is `unsupported`, without a
+            call.
         warm: whether the solver uses `Question.initial_guess`.
         packages: distributions whose versions belong to the solver's rows.
         summary: one line for `dubins-study solvers`.

@@ -148,7 +148,7 @@ def reported_versions(solver: Solver) -> dict[str, str]:
 def stated_method(solver: Solver) -> Method:
     """The formulation, engine and guess that a solver states.
 
-    A SolverError says what is wrong with the statement.
+    A SolverError tells that the statement is no tuple of texts.
     """
     stated: Any = solver.method
     try:
@@ -194,7 +194,7 @@ def load(spec: str, profile: str = "default") -> Solver:
     """Load the solver of a spec.
 
     A spec is `ipopt`, `turn-rate-qp[n=50,engine=piqp]` or `file.py:Class`, for example. The
-    settings of the spec replace those of the profile. A SolverError names what is wrong.
+    settings of the spec replace those of the profile. A SolverError names the mistake.
     """
     name, given = parse_spec(spec)
     kind = _kind(name)

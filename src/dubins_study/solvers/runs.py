@@ -64,7 +64,7 @@ class Run(NamedTuple, Generic[Point]):
 
     @property
     def claim(self) -> Claim:
-        """What the engine claims."""
+        """The engine's claim."""
         return self.result.claim
 
     @property

@@ -117,7 +117,7 @@ OPTION_SETS = ("equal", "default", "tuned")
 FEASIBILITY = OPTIMALITY = 1e-9
 
 
-# of an engine's options, by its own names
+# the values of an engine's options, by its own names
 OptionValues = dict[str, Any]
 
 

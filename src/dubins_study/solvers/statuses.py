@@ -30,7 +30,7 @@ STATUSES: dict[str, dict[str, tuple[str, ...]]] = {
     # casadi's word of an ending, where the engine's own is not named
     "casadi": {"local": ("SOLVER_RET_SUCCESS",), "limit": ("SOLVER_RET_LIMITED",)},
     "ipopt": {
-        # the acceptable level is its makers' second accuracy, 1e-6: what arriving needs
+        # the acceptable level is its makers' second accuracy, 1e-6, which is enough to arrive
         "local": ("Solve_Succeeded", "Solved_To_Acceptable_Level"),
         "feasible": ("Feasible_Point_Found",),
         "locally infeasible": ("Infeasible_Problem_Detected",),
@@ -39,7 +39,7 @@ STATUSES: dict[str, dict[str, tuple[str, ...]]] = {
             *("Maximum_WallTime_Exceeded", "User_Requested_Stop"),
         ),
     },
-    # says both how it stopped and what the point is
+    # its status tells both how it stopped and the kind of point
     "uno": {
         "local": ("Converged with feasible KKT point",),
         "feasible": (
@@ -54,7 +54,7 @@ STATUSES: dict[str, dict[str, tuple[str, ...]]] = {
         "locally infeasible": ("INFEASIBLE_STATIONARY_POINT",),
         "limit": ("ITERATION_LIMIT", "TIME_LIMIT"),
     },
-    "fatrop": {"failed": ("1",)},  # of every kind; 0 is a success
+    "fatrop": {"failed": ("1",)},  # failures of every kind; 0 is a success
     "alpaqa": {},
     # its node is Ipopt
     "bonmin": {"locally infeasible": ("INFEASIBLE",), "limit": ("LIMIT_EXCEEDED",)},
@@ -170,7 +170,7 @@ STATUSES: dict[str, dict[str, tuple[str, ...]]] = {
         "infeasible": ("ROUTING_INFEASIBLE",),
         "limit": ("ROUTING_FAIL_TIMEOUT",),
     },
-    # of a problem that it calls infeasible it may give the point that is nearest to feasible
+    # for a problem that it calls infeasible it may return the point that is nearest to feasible
     "proxqp": {
         "optimal": ("PROXQP_SOLVED",),
         "infeasible": ("PROXQP_PRIMAL_INFEASIBLE", "PROXQP_SOLVED_CLOSEST_PRIMAL_FEASIBLE"),

@@ -103,17 +103,18 @@ class Disjunctive(EngineSolver):
     An engine's branch and bound proves the answer.
 
     Args:
-        engine: `scip`, `maingo`, or the name of an executable on PATH that reads NL files; such a
-            one tells no bound, so that its answers are not called optimal.
+        engine: `scip`, `maingo`, or the name of an executable on PATH that reads NL files. An
+            executable reports no bound, so that its answers are not called optimal.
         transformation: of the disjunctions into linear constraints: `bigm` or `hull`.
         quadrants: whether sines and cosines are of a quarter turn at most; without, they are of
-            arcs up to 2 pi: the obvious model.
+            arcs up to 2 pi, as in the obvious model.
         gap: the largest relative difference of path and bound that counts as proven.
         feastol: the engine's tolerance on constraints (1e-6 by their own defaults).
-        emphasis: SCIP's: `lean`, its bare spatial branch and bound, or `default`, with heuristics
-            and cutting planes, which take some seventy times as long on the paper's problems, and
-            with presolving and propagation, which work with tolerances of their own and now and
-            then cut off the optimum (see docs/decisions.md). MAiNGO runs with its defaults.
+        emphasis: SCIP's: `lean`, its bare spatial branch and bound, or `default`. The latter has
+            heuristics and cutting planes, which take some seventy times as long on the paper's
+            problems. It also has presolving and propagation, which work with tolerances of their
+            own and now and then cut off the optimum (see docs/decisions.md). MAiNGO runs with its
+            defaults.
         presolve: whether words that cannot exist are left out (`solvers.presolve`): the bound then
             holds for the others. Only of one leg with a free final heading.
 

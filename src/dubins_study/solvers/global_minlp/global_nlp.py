@@ -69,9 +69,9 @@ class GlobalNlp(EngineSolver):
         engine: `scip` or `maingo`.
         model: `words` takes one two-variable program per word, `joint` the paper's model unsplit.
         order: of the joint model: `LRS` (the paper's), `RLS` or `both`.
-        heading: whether the final heading z1 - z2 of the joint model is a `variable` with an
-            equation of its own, as theta2 is in the paper, or an `expression` inside its sines and
-            cosines, which makes every engine branch more.
+        heading: the form of the final heading z1 - z2 in the joint model. `variable`: it has an
+            equation of its own, as theta2 has in the paper. `expression`: it stands inside its
+            sines and cosines, which makes every engine branch more.
         gap: relative difference of point and bound at which the engine may stop.
         feastol: the engine's tolerance on the two equations, in radii.
         emphasis: SCIP's `default`, or `lean`, its branch and bound without heuristics, cutting
@@ -82,10 +82,10 @@ class GlobalNlp(EngineSolver):
 
     The claim is the engine's own, of all programs together: `optimal` if each is solved to its
     optimum or proved to have no point. `lower_bound` is the least of the engine's bounds, as the
-    engine gives them, and there is one only if the programs cover the question: the order LRS
-    alone lacks the word RL, so its optimum is a local claim without a bound. Engines work to
-    `feastol`, so that a bound may lie above the shortest length by about as much, or near the
-    front of a turning circle a whole turn below it; the tolerance stands in every row.
+    engine gives them. There is a bound only if the programs cover the question: the order LRS alone
+    lacks the word RL, so its optimum is a local claim without a bound. Engines work to `feastol`,
+    so that a bound may lie above the shortest length by about as much. Near the front of a turning
+    circle it may lie a whole turn below that length. The tolerance stands in every row.
     """
 
     engine: str = one_of("scip", MINLP_ENGINES)

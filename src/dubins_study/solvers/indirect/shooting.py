@@ -121,7 +121,7 @@ class Shooting(Solver):
             evaluations = int(result.nfev)
         except _OutOfTimeError:
             return no_point(3, Claim.LIMIT, self.root, "out of time")
-        # a miss of `tol`, or of what the rounding of a far target leaves
+        # a miss of `tol`, or a miss that the rounding of a far target leaves
         missed = max(self.tol, ROUNDED * structure.scale)
         for candidate in candidates(structure, result.x, self.tol):
             fault = candidate.fault(missed, prescribed)

@@ -210,7 +210,7 @@ def claim(plugin: str, stats: dict[str, Any]) -> Claim:
 def _result(plugin: str, x: FloatArray, duals: FloatArray, stats: dict[str, Any]) -> EngineResult:
     status = str(stats.get("return_status", stats["unified_return_status"]))
     iterations = stats.get("iter_count")
-    # of objective or equations, whichever are more; alpaqa's psi evaluates both
+    # evaluations of objective or equations, whichever are more; alpaqa's psi evaluates both
     of_both = stats.get("n_call_nlp_fg", 0) + stats.get("n_call_nlp_psi", 0)
     of_one = max(stats.get("n_call_nlp_f", 0), stats.get("n_call_nlp_g", 0))
     return EngineResult(

@@ -48,7 +48,7 @@ from dubins_study.study.path import Path
 from dubins_study.study.scenario import Pose
 from dubins_study.study.words import IN_ORDER, Claim
 
-_ARRIVED = 1e-8  # radii; a hundredth of what the check allows
+_ARRIVED = 1e-8  # radii; a hundredth of the miss that the check allows
 _ROUNDED = 32 * math.ulp(1.0)  # of the target's distance
 _SAME = 1e-6  # relative; among answers this close, one that its engine calls a solution is taken
 
@@ -171,7 +171,7 @@ class Transcription(EngineSolver):
         if there := at_start(question.scenario, course.target, rounding):
             return there
         if self.initial_guess == "words" and course.target is None:
-            # those of a route's legs are known from the closed form only
+            # only the closed form knows the words of a route's legs
             message = "the guess `words` is of one leg with a free final heading"
             return Solution(Claim.FAILED, message=message)
         until = perf_counter() + limit
@@ -183,7 +183,7 @@ class Transcription(EngineSolver):
     def _run(self, model: PosedCourse, guess: Guess, until: float) -> Run[Elements]:
         began, course = perf_counter(), model.course
         elements, native = model.template.solve(guess, model.rates, until)
-        # what is optimal for a transcription is not proven for the problem itself
+        # a path that is optimal for a transcription is not proven for the problem itself
         claim = Claim.LOCAL if native.claim is Claim.OPTIMAL else native.claim
         missed, off, rollouts = math.inf, math.inf, 0
         if not (np.isfinite(elements.turn).all() and np.isfinite(elements.length).all()):

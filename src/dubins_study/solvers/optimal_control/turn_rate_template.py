@@ -71,9 +71,6 @@ class QpTemplate:
     There are N steps in all, a final heading or none, and one engine. A leg's length changes by its
     part t of itself. Headings and lengths are in units that the caller chooses:
 
-    A leg's length changes by its part t of itself; headings are in units that the caller chooses,
-    lengths in those of the caller too:
-
         minimise    sum_i w_i t_i + 1/2 sum_k c_k z_k^2 + penalty * sum(s)
         subject to  sum_k G_k z_k + P_i z_before + q_i t_i + s_+ - s_- = r_i,  s >= 0
                     z_k - z_{k-1} - upper_k t_i <= above_k   |u| <= b, exact

@@ -44,8 +44,8 @@ class TurnRates(NlpTranscription):
     Each leg has n turn rates. Other settings: `NlpTranscription`.
 
     Single shooting: the path is driven from the start to its end (`arcs.chord`), so that the
-    equations are those of the points and of a final heading only. Steps so long that they could
-    turn by more than half a circle get a smaller bound.
+    equations are those of the points and of a final heading only. A step that could turn by more
+    than half a circle has a smaller bound.
 
     Args:
         engine: a name in `solvers.engines` of the kind `local NLP`; no executable, since the files

@@ -51,7 +51,7 @@ def program(case: Case) -> Program:
 def solve(case: Case, guess: FloatArray, seconds: float, engine: NlpCall) -> EngineResult:
     """The point z that an engine reaches from `guess`.
 
-    Both have shape (3,). The engine has so many seconds.
+    Both have shape (3,). The engine stops after `seconds`.
     """
     free = list(case.subproblem.free)
     result = engine(program(case), case.unit * guess[free], seconds)

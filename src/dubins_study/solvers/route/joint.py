@@ -84,15 +84,17 @@ class RouteNlp(EngineSolver):
     Args:
         engine: a name in `solvers.engines` of an engine that reads any program, or the name of an
             executable on PATH that reads NL files.
-        model: `joint` leaves all five arcs of a leg open; `words` those of one word, which a
-            dynamic program over a grid of headings finds beforehand, with the closed form of a leg.
-        headings: of that grid, at each point.
-        initial_guess: `one` (turn toward the next point, then go straight), `bearing` (`one`, and
-            where it fails and the leg is one with a free final heading, `words`), `words` (of the
-            model `joint` the shortest legs between headings toward the next points, which tells
-            the engine a word a leg; of `words` the path on the grid), `straight` (the lines
-            between the points, with their headings), `zero` or `random` (arcs up to a full turn,
-            straights up to twice the distance plus 2).
+        model: `joint` leaves all five arcs of a leg open; `words` leaves only the arcs of one word.
+            A dynamic program over a grid of headings finds this word beforehand, with the closed
+            form of a leg.
+        headings: number of headings of that grid at each point.
+        initial_guess: the kind of guess. `one`: turn toward the next point, then go straight.
+            `bearing`: `one`, and if it fails for one leg with a free final heading, `words`.
+            `words`: for the model `joint` the shortest legs between headings toward the next
+            points, which give the engine a word for each leg; for the model `words` the path on
+            the grid. `straight`: the lines between the points, with their headings. `zero`: all
+            unknowns zero. `random`: arcs up to a full turn, straights up to twice the distance
+            plus 2.
         seed: of random guesses; the number of the repeat is added to it.
         count: number of random guesses.
         options, tol, max_iter: as those of `nlp`.
