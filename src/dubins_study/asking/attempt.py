@@ -74,7 +74,7 @@ class Answer(Spent, Times, Certificate, Judgement, Reported):
 
     Units are those of `study.rows.schema`.
 
-    The check computes what it can from the path's controls; the solver reports `claimed_length`.
+    The check computes its columns from the path's controls; `claimed_length` is the solver's own.
     """
 
     scenario: Scenario

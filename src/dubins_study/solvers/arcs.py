@@ -110,8 +110,8 @@ def cut(path: Path, n: int, shares: FloatArray | None) -> Elements:
     The path is in body coordinates at unit radius.
 
     Elements with given shares (n,) of the length turn as the path does over their length. Otherwise
-    every arc is cut into equal parts that turn by similar angles; more than n arcs become equally
-    long elements.
+    every arc is cut into equal parts that turn by similar angles. A path of more than n arcs
+    becomes equally long elements.
     """
     some = path.lengths > 0
     curvature, length = path.curvatures[some], path.lengths[some]

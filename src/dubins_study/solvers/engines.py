@@ -462,7 +462,7 @@ class EngineSolver(Solver):
 
     The name is one of the table, or of a plug-in's own table. If the setting was declared by
     `engine_or_program`, it may also be the name of an executable. `program_kind` is the kind of
-    engine as which an executable is run.
+    engine that an executable stands for.
     """
 
     engine: str

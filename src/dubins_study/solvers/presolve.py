@@ -38,7 +38,7 @@ def words(branch: str, target: Local, presolve: bool) -> tuple[str, ...]:
 
 
 def unreachable(target: Local, word: str) -> str | None:
-    """The reason why no path reaches, or None.
+    """The reason that excludes a word, or None.
 
     C is the centre of the first turn's circle. A tangent of this circle lies outside it, so LS and
     RS end at no target inside. The second turn of LR and RL is on a circle of radius 1 whose centre

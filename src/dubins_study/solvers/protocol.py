@@ -41,7 +41,7 @@ class Question:
     """A scenario, a branch and an initial guess.
 
     The guess is a path when warm, and None when cold. `repeat` numbers the times that the question
-    is put to a solver; one that draws random numbers adds it to its seed.
+    is put to a solver. A solver that draws random numbers adds it to its seed.
     """
 
     scenario: Scenario
@@ -268,11 +268,10 @@ class FrameSolution:
 class Solver:
     """The base class of every solver.
 
-    A solver is one method with its settings.
-
-    A solver is a frozen dataclass that extends this class; its fields are its settings. It must
-    give `name` and either `solve(question, limit)`, or `build(question)` and `solve(model, limit)`,
-    which are then timed apart. Everything else has the default that stands here.
+    A solver is one method with its settings. It is a frozen dataclass that extends this class; its
+    fields are the settings. It must give `name` and either `solve(question, limit)`, or
+    `build(question)` and `solve(model, limit)`, which are then timed apart. Everything else has the
+    default that stands here.
 
     Class attributes:
         name: the name in the registry, e.g. `turn-rate-qp`.

@@ -42,7 +42,7 @@ class _OutOfTimeError(Exception):
 class Shooting(Solver):
     """Pontryagin's conditions, solved as equations.
 
-    The initial guess of the costates is that of a path which ends straight with the guess's final
+    The initial guess of the costates belongs to a path that ends straight, with the guess's final
     heading.
 
     Args:

@@ -44,7 +44,7 @@ class Places:
     def next_places(self) -> BoolArray:
         """Whether one place may follow another, shape (m, m).
 
-        It goes back to the start from its end: this is a leg only if the tour is closed.
+        A tour goes back to the start from its end. This is a leg only if the tour is closed.
         """
         m = self.count
         if self.in_order:

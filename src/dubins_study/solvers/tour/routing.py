@@ -40,7 +40,7 @@ class TourRouting(EngineSolver):
 
     The tour is that of a vehicle that visits one heading a point.
 
-    The headings of a point are a disjunction of which one is visited. The library proves nothing
+    The headings of a point form a disjunction: one of them is visited. The library proves nothing
     and draws no random numbers.
 
     Args:
