@@ -1,4 +1,7 @@
-"""The base class of every error that the package raises for a request it cannot meet."""
+"""The base class of the package's own errors.
+
+The package raises such an error for every request that it cannot meet.
+"""
 
 
 class DubinsStudyError(Exception):

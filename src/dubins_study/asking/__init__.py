@@ -1,1 +1,4 @@
-"""Questions put to solvers: asked, timed, judged; one at a time, or a frame of them."""
+"""Questions put to solvers, timed and judged.
+
+A question is asked alone, or many of them as one frame.
+"""

@@ -1,4 +1,7 @@
-"""One attempt: a question put to a solver, timed by the caller, judged by the check."""
+"""One attempt: a question, an answer and its judgement.
+
+The caller times the solver. The check judges its answer.
+"""
 
 from __future__ import annotations
 
@@ -62,14 +65,16 @@ _FOR_A_PLANNER = (
     "scenario",
     "row",
 )
-_REPR_CHARS = 96  # of a line of an answer's repr
+_REPR_CHARS = 96  # in a line of an answer's repr
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class Answer(Spent, Times, Certificate, Judgement, Reported):
-    """A judged and certified attempt; units as in `study.rows.schema`.
+    """A judged and certified attempt.
 
-    The check computes what it can from the path's controls; the solver reports `claimed_length`.
+    Units are those of `study.rows.schema`.
+
+    The check computes its columns from the path's controls; `claimed_length` is the solver's own.
     """
 
     scenario: Scenario
@@ -105,7 +110,10 @@ class Answer(Spent, Times, Certificate, Judgement, Reported):
         return "\n".join(("Answer(", *(f"  {line:.{_REPR_CHARS}}" for line in lines))) + ")"
 
     def __dir__(self) -> tuple[str, ...]:
-        """What a planner needs; every other column is reached by its name."""
+        """The names that a planner needs.
+
+        Every other column is reached by its name.
+        """
         return _FOR_A_PLANNER
 
     @property
@@ -115,11 +123,17 @@ class Answer(Spent, Times, Certificate, Judgement, Reported):
 
     @property
     def order(self) -> list[int] | None:
-        """The via points of a tour in the order in which the path passes them; the first is 0."""
+        """The via points of a tour in visiting order.
+
+        The first via point has number 0. None if the answer has no order.
+        """
         return None if self.visit_order is None else [int(place) for place in self.visit_order]
 
     def _repr_svg_(self) -> str | None:
-        """The path's drawing for notebooks, with verdict, length and word; None without a path."""
+        """The path's drawing for notebooks, as SVG text.
+
+        Its caption has the verdict, the length, the proof and the word. None without a path.
+        """
         if self.path is None or self.length is None:
             return None
         word = short_word(self.word or "", 24)
@@ -128,21 +142,33 @@ class Answer(Spent, Times, Certificate, Judgement, Reported):
 
     @property
     def tied_words(self) -> tuple[str, ...]:
-        """The words that share the shortest length; two straight behind the vehicle, else one."""
+        """The words that share the shortest length.
+
+        There are two if the target is straight behind the vehicle, else one.
+        """
         return kind_of(self.scenario, self.branch).ties(self.scenario, self.branch)
 
     @property
     def curvatures(self) -> list[float] | None:
-        """The path's curvatures; None without a path, or if one of its controls is not finite."""
+        """The path's curvatures, or None.
+
+        None without a path, or if one of its controls is not finite.
+        """
         return controls(self.path)[0]
 
     @property
     def lengths(self) -> list[float] | None:
-        """The path's lengths; None without a path, or if one of its controls is not finite."""
+        """The path's lengths, or None.
+
+        None without a path, or if one of its controls is not finite.
+        """
         return controls(self.path)[1]
 
     def row(self) -> dict[str, Any]:
-        """The scenario's and the answer's columns of `study.rows.schema`; None where not finite."""
+        """The row of the scenario and the answer.
+
+        The keys are the columns of `study.rows.schema`. A number that is not finite is None.
+        """
         scenario = dict(zip(_SCENARIO, _scenario_numbers(self.scenario), strict=True))
         return scenario | {name: getattr(self, name) for name in _ANSWER}
 
@@ -158,7 +184,10 @@ def _target_text(scenario: Scenario) -> str:
 
 
 class QuestionError(DubinsStudyError, ValueError):
-    """A scenario, branch, initial guess or time limit that cannot be given to a solver."""
+    """A scenario, branch or limit that no solver takes.
+
+    An initial guess that cannot be given to a solver raises it too.
+    """
 
 
 def check_branch(scenario: Scenario, branch: str) -> None:
@@ -170,7 +199,10 @@ def check_branch(scenario: Scenario, branch: str) -> None:
 
 
 def check_request(branch: str, limit: float, limit_name: str = "limit") -> None:
-    """Refuse an unknown branch, or a time limit that is not a positive number of seconds."""
+    """Refuse an unknown branch or an impossible time limit.
+
+    A time limit is a finite number of seconds above 0.
+    """
     if not isinstance(branch, str) or branch not in EVERY_BRANCH:
         known = f"{did_you_mean(branch, PATH_BRANCHES)}choose one of: {', '.join(PATH_BRANCHES)}"
         raise QuestionError(f"no branch named {short(branch)}; {known}")
@@ -190,7 +222,10 @@ def attempt(
     allowed: Tolerances = PROFILES["default"],
     spec: str | None = None,
 ) -> Answer:
-    """Put a question to a solver, time it, and judge whatever comes back, an exception among it."""
+    """Ask a solver, time it and judge its answer.
+
+    An exception that the solver raises is judged as its answer.
+    """
     prepare(question.scenario, question.branch)
     began = monotonic()
     reply = with_possible_times(ask(solver, question, limit), monotonic() - began)
@@ -204,7 +239,10 @@ def judged(
     allowed: Tolerances = PROFILES["default"],
     method: Method = NOT_STATED,
 ) -> Answer:
-    """A reply judged by the check and certified."""
+    """The answer of a reply, judged and certified.
+
+    The check computes the verdict and the certificate; the reply's claim stands beside them.
+    """
     solution = reply.solution
     scenario, branch, path = question.scenario, question.branch, solution.path
     pathless = pathless_kind_of(branch)
@@ -231,7 +269,7 @@ def judged(
     fields |= vars(reply.times) | vars(judgement) | vars(certificate)
     fields |= {name: getattr(solution, name) for name in _REPORTED}
     fields |= {name: _finite(fields[name]) for name in _REPORTED_NUMBERS} | _spent(solution)
-    if solution.presolved:  # whatever the check finds, no engine has proved anything
+    if solution.presolved:  # no engine has proved anything, whatever the check finds
         fields["proof"] = Proof.NONE
     return Answer(
         scenario=scenario,
@@ -247,17 +285,24 @@ _SHORTER_KNOWN = (Verdict.LONGER, Verdict.MISSES, Verdict.NONE)
 
 
 def shorter_answer(answer: Answer) -> Answer | None:
-    """The shortest path that the check knows, judged, where the answer has no path as short."""
+    """The shortest path that the check knows, judged.
+
+    It is returned if the answer's path is longer or misses, or if there is none. Otherwise, and for
+    a branch that asks for no path, the result is None.
+    """
     if answer.verdict not in _SHORTER_KNOWN or pathless_kind_of(answer.branch):
         return None
-    at_once = replace(DEFAULT, until=-math.inf)  # it was found when the answer was judged
+    at_once = replace(DEFAULT, until=-math.inf)  # the search was made when the answer was judged
     path = reference_of(answer.scenario, answer.branch, at_once).path
     found = Reply(Outcome.RETURNED, Solution(Claim.NONE, path))
     return judged("the check", Question(answer.scenario, answer.branch), found, at_once)
 
 
 def controls(path: Path | None) -> tuple[list[float], list[float]] | tuple[None, None]:
-    """Curvatures and lengths as a row holds them: both None if a number of them is not finite."""
+    """Curvatures and lengths as a row holds them.
+
+    Both are None without a path, or if a number among them is not finite.
+    """
     if path is None:
         return None, None
     curvatures, lengths = path.curvatures.tolist(), path.lengths.tolist()
@@ -273,7 +318,10 @@ _scenario_numbers = attrgetter(*_SCENARIO)
 def _with_trace(
     judgement: Judgement, question: Question, solution: Solution, allowed: Tolerances
 ) -> Judgement:
-    """The judgement with the columns of a trace: its paths that arrive, while they get shorter."""
+    """The judgement with the columns of a trace.
+
+    A path of the trace is listed if it arrives and is shorter than all listed before it.
+    """
     evaluations, lengths = [], [math.inf]
     for count, path in solution.trace:
         found = judge(question.scenario, path, branch=question.branch, tolerances=allowed)
@@ -288,7 +336,10 @@ _REPORTED_NUMBERS = [each.name for each in columns(Reported) if each.type == "fl
 
 
 def _spent(solution: Solution) -> dict[str, Any]:
-    """The columns of `Spent`; null where a solver does not tell."""
+    """The columns of `Spent`.
+
+    A value that the solver does not report is null.
+    """
     efforts, best_run = solution.efforts, solution.best_run
     values: dict[str, Any] = dict.fromkeys(_SPENT)
     if solution.multipliers is not None:

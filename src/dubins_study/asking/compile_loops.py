@@ -1,6 +1,7 @@
-"""Compile every loop over rows now, so that no later process waits for it.
+"""Compile every loop over rows now.
 
-Numba keeps the machine code beside the modules, in NUMBA_CACHE_DIR or in the user's cache folder.
+No later process then waits for it. Numba keeps the machine code beside the modules, in
+NUMBA_CACHE_DIR or in the user's cache folder.
 """
 
 from __future__ import annotations
@@ -12,7 +13,10 @@ from dubins_study.study.tour.search import compile_tour_loops
 
 
 def compile_loops() -> None:
-    """Solve and judge one leg of each kind by a frame; then search for a route and a tour."""
+    """Run every compiled loop once.
+
+    One leg of each kind is solved and judged by a frame. Then a route and a tour are searched for.
+    """
     frame = pd.DataFrame({"x": [0.0], "y": 0.0, "heading": 0.0, "target_x": 3.0})
     frame = frame.assign(target_y=1.0, radius=1.0)
     for branch in ("best", "LS"):

@@ -1,4 +1,7 @@
-"""Whole frames: every scenario solved and judged, one row each, the index kept."""
+"""Frames of scenarios, solved and judged row by row.
+
+The result has one row for each scenario and the same index.
+"""
 
 from __future__ import annotations
 
@@ -56,7 +59,10 @@ def solve_frame(
     limit: float = DEFAULT_LIMIT,
     certified: bool = False,
 ) -> pd.DataFrame:
-    """Solve and judge every scenario of a frame in this process."""
+    """Solve and judge every scenario of a frame.
+
+    This happens in the caller's process, without a worker.
+    """
     check_request(branch, limit)
     allowed = tolerances(profile, limit)
     backend = load(solver, profile)
@@ -84,10 +90,13 @@ def _all_at_once(
     allowed: Tolerances,
     certified: bool,
 ) -> pd.DataFrame:
-    """The rows of a frame of one kind that a solver answers whole."""
+    """The judged rows of one kind, answered whole.
+
+    The solver answers the whole frame in one call of its `solve_frame`.
+    """
     from dubins_study.study.judging.verdict_frame import judge_frame
 
-    # a solver is given a frame of its own, so that the questions stay what was asked
+    # the solver gets a copy, so that it cannot change the questions
     outcome, solution, seconds = _run(whole, frame.copy(deep=False), branch)
     judged = judge_frame(frame, solution.paths, solution.claim, branch, allowed)
     arrays = _arrays(solution, judged)
@@ -103,7 +112,10 @@ def _all_at_once(
 def _run(
     whole: Callable[[pd.DataFrame, str], FrameSolution], frame: pd.DataFrame, branch: str
 ) -> tuple[Outcome, FrameSolution, float]:
-    """The answers, and the seconds they took; a backend that raises has answered no row."""
+    """The outcome, the answers and the seconds they took.
+
+    A solver that raises, or returns something else, has answered no row.
+    """
     began = perf_counter()
     try:
         solution = whole(frame, branch)
@@ -113,7 +125,7 @@ def _run(
             raise TypeError(f"there are {len(solution.paths)} paths for {len(frame)} scenarios")
     except KeyboardInterrupt:
         raise
-    except BaseException as error:  # what a backend raises is its result
+    except BaseException as error:  # a backend's exception is its result
         seconds = perf_counter() - began
         none = np.zeros((2, len(frame)))
         nothing = Paths(none, none, np.zeros(len(frame), np.bool_))
@@ -123,7 +135,10 @@ def _run(
 
 
 def _arrays(solution: FrameSolution, judged: FrameJudgement) -> dict[str, Any]:
-    """The answers' columns that differ from row to row: codes and flat buffers are taken over."""
+    """The answers' columns that differ between rows.
+
+    Codes and flat buffers are used as they are, without a copy.
+    """
     from dubins_study.study.judging.verdict_frame import TEXTS
 
     columns: dict[str, Any] = judged._asdict()
@@ -146,7 +161,7 @@ def _certificates(
     branch: str,
     allowed: Tolerances,
 ) -> dict[str, Any]:
-    """The certificate's columns, row by row."""
+    """The certificate's columns, computed row by row."""
     bounds = solution.lower_bound
     found = []
     for row, scenario in enumerate(scenarios_of(frame)):
@@ -163,8 +178,11 @@ def _certificates(
 
 
 def _texts(codes: Any, texts: Iterable[str]) -> Any:
-    """Texts by their codes; 255 is none."""
-    signed = np.asarray(codes, np.uint8).view(np.int8)  # in which 255 is -1, as pandas wants it
+    """A column of texts by their codes.
+
+    The code 255 stands for a missing text.
+    """
+    signed = np.asarray(codes, np.uint8).view(np.int8)  # 255 becomes -1, missing to pandas
     categories = pd.Index([_storable(str(text)) for text in texts])
     return pd.Categorical.from_codes(signed, categories, validate=False)
 
@@ -175,7 +193,10 @@ def _storable(text: str) -> str:
 
 
 def _constant(value: Any, kind: str, n: int) -> Any:
-    """A column of one value; None is a missing one."""
+    """A column of n times one value.
+
+    None is a missing value.
+    """
     missing = value is None
     match kind:
         case "string":
@@ -190,7 +211,10 @@ def _constant(value: Any, kind: str, n: int) -> Any:
 
 
 def _controls(paths: Paths) -> tuple[Any, Any]:
-    """Curvatures and lengths as list columns over two flat buffers; null where there is no path."""
+    """Curvatures and lengths as list columns.
+
+    Each lies over one flat buffer. A row without a path is null.
+    """
     from dubins_study.study.closed_form.kernel import flatten
     from dubins_study.study.closed_form.kernel_compile import loop_input
 
@@ -208,14 +232,15 @@ def _controls(paths: Paths) -> tuple[Any, Any]:
 
 
 def checked(scenarios: pd.DataFrame) -> tuple[pd.DataFrame, pd.DataFrame]:
-    """The scenarios as `check_frame` returns them, and the columns that are carried along.
+    """The checked scenarios, and the caller's other columns.
 
-    An answer's columns are neither, so that rows of answers can be asked again.
+    The other columns are carried along. Columns of an answer are dropped, so that rows of answers
+    can be asked again.
     """
     if not isinstance(scenarios, pd.DataFrame):
         return check_frame(scenarios), pd.DataFrame()
     known = {*names(SCENARIO), "via"}
-    # a column that is missing has a default, which a slip of its name must not bring about
+    # a misspelt column must not be replaced by its default
     missing = [name for name in DEFAULTS if name not in scenarios]
     of_answers = {*names(ANSWER)}
     own = np.array(
@@ -226,23 +251,29 @@ def checked(scenarios: pd.DataFrame) -> tuple[pd.DataFrame, pd.DataFrame]:
         np.bool_,
     )
     others = scenarios.loc[:, ~own & ~scenarios.columns.isin(of_answers)]
-    # a choice of columns would copy them
+    # to choose columns would copy them
     return check_frame(scenarios if own.all() else scenarios.loc[:, own]), others
 
 
 def with_others(rows: pd.DataFrame, others: pd.DataFrame) -> pd.DataFrame:
-    """Rows of answers, then the columns that were carried along."""
+    """Rows of answers, then the caller's other columns."""
     return pd.concat([rows, others], axis=1) if others.shape[1] else rows
 
 
 def _parts(frame: pd.DataFrame) -> list[tuple[Kind, Any]]:
-    """The kinds of a checked frame's rows, and the places of each; one of no rows is of legs."""
+    """The kinds of a checked frame's rows.
+
+    A frame without rows counts as one of legs.
+    """
     places = [(kind, np.flatnonzero(rows_of(frame, kind))) for kind in KINDS]
     return [(kind, those) for kind, those in places if len(those)] or places[:1]
 
 
 def check_branches(frame: pd.DataFrame, branch: str) -> None:
-    """Refuse a branch that a row of a checked frame cannot have."""
+    """Refuse a branch that a row cannot have.
+
+    The frame has passed `check_frame`.
+    """
     firsts = sorted(int(places[0]) for _, places in _parts(frame) if len(places))
     for place in firsts:
         try:
@@ -252,26 +283,32 @@ def check_branches(frame: pd.DataFrame, branch: str) -> None:
 
 
 def questions(frame: pd.DataFrame, branch: str) -> Iterator[Question]:
-    """The questions of a frame that has passed `check_frame`, row by row."""
+    """The questions of a checked frame, row by row."""
     return (Question(scenario, branch) for scenario in scenarios_of(frame))
 
 
 def row_by_row(frame: pd.DataFrame, answers: Iterable[Answer]) -> pd.DataFrame:
-    """The frame of single answers, one for each row of the frame of scenarios."""
+    """The frame of single answers.
+
+    There is one answer for each row of the frame of scenarios.
+    """
     return _framed(frame, _columns([answer.row() for answer in answers], ANSWER), {})
 
 
 def _columns(rows: list[dict[str, Any]], of: tuple[Column, ...]) -> dict[str, Any]:
-    """The columns of rows that were found one by one."""
+    """The columns of rows, by name."""
     return {c.name: _typed([row[c.name] for row in rows], c.type) for c in of}
 
 
 def _typed(values: Sequence[Any], kind: str) -> Any:
-    """A column of single values with the dtype that `_constant` gives it."""
+    """A column of values of one type.
+
+    It has the dtype that `_constant` gives the same type.
+    """
     match kind:
         case "string":
             texts = [None if value is None else _storable(str(value)) for value in values]
-            return pd.Categorical(pd.array(texts, "str"))  # as the texts of `_texts` are
+            return pd.Categorical(pd.array(texts, "str"))  # the dtype of texts in `_texts`
         case "float64":
             return np.array(values, np.float64)  # None is NaN
         case "int64":
@@ -284,7 +321,11 @@ def _typed(values: Sequence[Any], kind: str) -> Any:
 def _framed(
     frame: pd.DataFrame, arrays: dict[str, Any], of_all_rows: Mapping[str, Any]
 ) -> pd.DataFrame:
-    """The rows of a frame: scenarios, then answers; a column in neither is missing."""
+    """The rows of a frame: scenarios, then answers.
+
+    A column comes from `arrays`, or else has its one value from `of_all_rows`. In neither it is
+    missing.
+    """
     every = {name: frame[name] for name in names(SCENARIO)} | arrays
     # one array of nulls serves all columns of its type
     constant = cache(partial(_constant, n=len(frame)))
@@ -295,7 +336,10 @@ def _framed(
 
 
 def _in_order(parts: list[tuple[Any, pd.DataFrame]], frame: pd.DataFrame) -> pd.DataFrame:
-    """The rows of the parts of a frame, each at its places there."""
+    """The rows of all parts in the frame's order.
+
+    Each part comes with the places of its rows in the frame.
+    """
     _, first = parts[0]
     if len(parts) == 1:
         return first

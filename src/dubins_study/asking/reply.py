@@ -1,4 +1,4 @@
-"""A question put to a solver and timed, and what comes back of it."""
+"""One question put to a solver, and its reply."""
 
 from __future__ import annotations
 
@@ -14,17 +14,18 @@ from dubins_study.study.words import NEEDS, Claim, Outcome
 
 # Long enough for every backend on every question; a solve here lasts microseconds to seconds.
 DEFAULT_LIMIT = 60.0
-# The part of its limit that a solver is not told of, nor of what building took: an engine that ends
-# on the second still has to hand over its answer, and one after the limit is a failure.
+# The share of the limit that a solver does not get; the time for building is taken off too. An
+# engine that ends just in time still has to hand over its answer, and an answer after the limit is
+# a failure.
 _HELD_BACK = 0.05
 
 _NO_TIMES = Times()
 
 
 class Reply(NamedTuple):
-    """The answer to a question, not judged yet, with what its row records of the solve.
+    """The answer to a question before it is judged.
 
-    What follows the times is filled in by the worker of a run.
+    The fields after `times` are filled in by the worker of a run.
     """
 
     outcome: Outcome
@@ -33,12 +34,15 @@ class Reply(NamedTuple):
     started: str = ""  # when the solve started (UTC, ISO 8601); empty if it did not start
     versions: str = ""  # of the solver's libraries, as JSON
     code_digest: str = ""  # of the solver's code (see `code_digest`); empty if it did not load
-    memory_mib: float | None = None  # what the solve added to the memory of its process
-    floor_s: float | None = None  # what the engine takes for a trivial problem
+    memory_mib: float | None = None  # added by the solve to the memory of its process
+    floor_s: float | None = None  # the engine's time for a trivial problem
 
 
 def no_answer(outcome: Outcome, message: str, times: Times = _NO_TIMES, status: str = "") -> Reply:
-    """The reply of a solver that did not answer, and why."""
+    """The reply of a solver that did not answer.
+
+    Its message says why.
+    """
     return Reply(outcome, Solution(Claim.NONE, native_status=status, message=message), times)
 
 
@@ -48,10 +52,10 @@ def ask(
     limit: float = DEFAULT_LIMIT,
     raised: Callable[[BaseException], None] | None = None,
 ) -> Reply:
-    """Put a question to a solver, unless its presolve answers it, and time it.
+    """Put a question to a solver and time it.
 
-    What a solver raises is its reply; `raised` is called with the exception, which has its
-    traceback.
+    If the presolve answers the question, the solver is not asked. An exception that the solver
+    raises becomes its reply; before that, `raised` is called with the exception and its traceback.
     """
     reason = unavailable(solver)
     if reason is not None:
@@ -76,7 +80,7 @@ def ask(
             raise TypeError(f"solve returned {type(solution).__name__}; expected a Solution")
     except KeyboardInterrupt:
         raise
-    except BaseException as error:  # what a backend raises is its result
+    except BaseException as error:  # a backend's exception is its result
         ended = perf_counter()
         if raised is not None:
             raised(error)
@@ -86,13 +90,14 @@ def ask(
     return Reply(Outcome.RETURNED, solution, Times(built - began, ended - built, ended - began))
 
 
-_CLOCKS_APART_S = 1e-3  # that two readings of the machine's clocks may differ by
+_CLOCKS_APART_S = 1e-3  # largest difference between two readings of the machine's clocks
 
 
 def with_possible_times(reply: Reply, waited_s: float) -> Reply:
-    """The reply; it is `raised` if a time is impossible for a caller who waited that long.
+    """The reply, unless one of its times is impossible.
 
-    A library may replace the clock of the process that solves.
+    A time is impossible if it is negative or longer than the caller waited. The outcome is then
+    `raised`: a library may replace the clock of the process that solves.
     """
     for name, seconds in vars(reply.times).items():
         if seconds is not None and not 0 <= seconds <= waited_s + _CLOCKS_APART_S:
@@ -103,11 +108,14 @@ def with_possible_times(reply: Reply, waited_s: float) -> Reply:
     return reply
 
 
-_MAX_MESSAGE_CHARS = 2000  # a row is no place for more
+_MAX_MESSAGE_CHARS = 2000  # a row holds no longer message
 
 
 def exception_text(error: BaseException) -> str:
-    """The name and message of an exception, whose own conversion to text may fail as well."""
+    """The name and message of an exception.
+
+    Only the name is returned if the conversion of the exception to text fails.
+    """
     name = type(error).__name__
     try:
         text = str(error)

@@ -1,1 +1,1 @@
-"""The promise that every solver keeps, the registry, and the call that puts a question to one."""
+"""Solvers: their base class, the registry and all backends."""

@@ -1,4 +1,7 @@
-"""`analytic`: the closed form of one leg, exact for every branch, and the search for routes."""
+"""`analytic`: the closed form, exact for every branch.
+
+It solves one leg by formula, and routes by a search with a proof.
+"""
 
 from __future__ import annotations
 
@@ -27,9 +30,9 @@ _CLOSED = min(tolerances.gap for tolerances in PROFILES.values())
 
 @dataclass(frozen=True)
 class Analytic(Solver):
-    """The closed form, and of a route the search with a proof.
+    """The closed form; for routes a proven search.
 
-    Each kind of question has its own in `study.kinds`; for frames of legs these are
+    Each kind of question has its own method in `study.kinds`. For frames of legs these are
     `study.closed_form.kernel` and, with final headings, `pose_kernel`.
     """
 
@@ -49,7 +52,10 @@ class Analytic(Solver):
         return question
 
     def solve(self, model: Question, limit: float) -> Solution:
-        """Optimal if the proven gap is within every profile's tolerance."""
+        """Solve by the method of the question's kind.
+
+        The claim is optimal if the proven gap is within every profile's tolerance.
+        """
         scenario = model.scenario
         path, low, high = kind_of(scenario, model.branch).exact(scenario, model.branch, limit)
         if path is None:

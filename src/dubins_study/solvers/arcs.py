@@ -1,12 +1,14 @@
-"""Paths of N elements over several legs: where the legs end, and the way back to their points.
+"""Paths of N arcs or straights over several legs.
 
-An arc of turn a and length h leads by h sinc(a/2) along the heading theta + a/2. As sinc(z) is the
-mean of cos(z t) over 0 <= t <= 1, a quadrature replaces the quotient, which is undefined for a
-straight, by a sum of cosines that every engine can read.
+The module computes where the legs end, and corrects a path that misses its points.
 
-Everything in body coordinates in units of the turning radius. All legs have n elements, so that
-N = n legs. Written in the headings theta instead of the turns a_k = theta_k - theta_{k-1}
-(theta_{-1} = 0), the derivatives of a leg's end are local and |a_k| <= h_k is linear.
+An arc of turn a and length h leads by h sinc(a/2) along the heading theta + a/2. The quotient in
+sinc(z) is undefined for a straight. But sinc(z) is the mean of cos(z t) over 0 <= t <= 1, so a
+quadrature replaces it by a sum of cosines that every engine can read.
+
+Everything is in body coordinates in units of the turning radius. All legs have n elements, so that
+N = n legs. The headings theta replace the turns a_k = theta_k - theta_{k-1} (theta_{-1} = 0): the
+derivatives of a leg's end are then local, and |a_k| <= h_k is linear.
 """
 
 from __future__ import annotations
@@ -27,7 +29,11 @@ _AT, _WEIGHTS = (half[_POINTS // 2 :] for half in np.polynomial.legendre.leggaus
 
 
 def chord(heading: Any, turn: Any, length: Any) -> tuple[Any, Any]:
-    """How far an arc leads along x and along y; its heading at the start and its turn in rad."""
+    """The chord (x, y) of an arc, in radii.
+
+    `heading` is the heading at the arc's start and `turn` its turn, both in rad. The values may be
+    numbers or casadi expressions.
+    """
     from casadi import cos, sin
 
     half = turn / 2
@@ -47,14 +53,20 @@ LEAST = 1e-3  # radii; elements of no length would be a poor guess
 
 
 def most_turn(course: Course, n: int, equal: bool) -> float:
-    """The largest turn (rad) of one of the n elements of a leg."""
+    """The largest turn (rad) of one element.
+
+    A leg has n elements.
+    """
     if equal:
         return MOST_TURN_EACH
     return (4 if course.target is None else 3) * math.pi / n
 
 
 class Rates(NamedTuple):
-    """Least and largest turn rate allowed, in units of 1 / radius."""
+    """Bounds on the turn rate.
+
+    They are in units of 1 / radius.
+    """
 
     lower: float
     upper: float
@@ -65,14 +77,20 @@ RATES = {"best": Rates(-1.0, 1.0), "LS": Rates(0.0, 1.0), "RS": Rates(-1.0, 0.0)
 
 
 class Elements(NamedTuple):
-    """Turns (N,) in rad, positive to the left, and lengths (N,) in radii of the elements."""
+    """Turns and lengths of N elements.
+
+    Turns (N,) are in rad, positive to the left. Lengths (N,) are in radii.
+    """
 
     turn: FloatArray
     length: FloatArray
 
     @property
     def rate(self) -> FloatArray:
-        """Turn rates (N,) in units of 1 / radius; 0 for an element of no length."""
+        """Turn rates (N,) in units of 1 / radius.
+
+        The rate of an element of no length is 0.
+        """
         some = self.length > 0
         return np.divide(self.turn, self.length, out=np.zeros_like(self.turn), where=some)
 
@@ -81,17 +99,19 @@ class Elements(NamedTuple):
         return float(self.length.sum())
 
     def within(self, rates: Rates) -> Elements:
-        """The elements with every turn rate brought within its bounds."""
+        """The elements with every turn rate within its bounds."""
         length = np.maximum(self.length, 0.0)
         return Elements(np.clip(self.turn, rates.lower * length, rates.upper * length), length)
 
 
 def cut(path: Path, n: int, shares: FloatArray | None) -> Elements:
-    """A path in body coordinates at unit radius as n elements.
+    """Cut a path into n elements.
+
+    The path is in body coordinates at unit radius.
 
     Elements with given shares (n,) of the length turn as the path does over their length. Otherwise
-    every arc is cut into equal parts that turn by similar angles; more than n arcs become equally
-    long elements.
+    every arc is cut into equal parts that turn by similar angles. A path of more than n arcs
+    becomes equally long elements.
     """
     some = path.lengths > 0
     curvature, length = path.curvatures[some], path.lengths[some]
@@ -115,10 +135,11 @@ _TURNING = 2 * math.pi  # radii; a turn towards a target far away is shorter tha
 
 
 def step_shares(n: int, mesh: str, course: Course) -> FloatArray:
-    """The shares of its leg's length that n steps have, shape (legs, n), each row summing to 1.
+    """Shares of n steps in their leg's length.
 
-    On `graded` half of the steps share about a full circle's length at the start, where the path
-    turns, unless equal steps are shorter than that.
+    Shape (legs, n); each row sums to 1. On the mesh `graded` half of the steps share about a full
+    circle's length at the start, where the path turns. If equal steps are shorter than that, the
+    steps are equal.
     """
     turning, straight = (n + 1) // 2, n // 2
     shares = np.full((course.legs, n), 1.0 / n)
@@ -131,21 +152,30 @@ def step_shares(n: int, mesh: str, course: Course) -> FloatArray:
 
 
 class Rollout(NamedTuple):
-    """Elements driven exactly: their chords, and these by the headings before and after them."""
+    """Elements driven exactly, with derivatives of their chords.
+
+    The derivatives are by the heading before and the heading after each element, at fixed lengths.
+    """
 
     chords: FloatArray  # shape (2, N)
     by_before: FloatArray
     by_after: FloatArray
 
     def gaps(self, elements: Elements, course: Course) -> FloatArray:
-        """What each leg lacks of its step, shape (legs, 2), in radii."""
+        """The part of each step that is missing.
+
+        Step minus the sum of the leg's chords, shape (legs, 2), in radii.
+        """
         legs = self.chords.reshape(2, course.legs, -1).sum(axis=2)
         gaps: FloatArray = course.steps - legs.T
         return gaps
 
 
 def rollout(elements: Elements) -> Rollout:
-    """Drive the elements; the derivatives are exact, at fixed lengths."""
+    """Drive the elements exactly.
+
+    The derivatives are exact, at fixed lengths.
+    """
     half = elements.turn / 2
     middle = np.cumsum(elements.turn) - half
     along = np.array([np.cos(middle), np.sin(middle)])
@@ -158,7 +188,10 @@ def rollout(elements: Elements) -> Rollout:
 
 
 def _sinc_slope(x: FloatArray, sinc: FloatArray) -> FloatArray:
-    """Derivative of sin(x) / x; by its series where the quotient cancels (error below 1e-13)."""
+    """Derivative of sin(x) / x.
+
+    Near 0, where the quotient cancels, the series is used (error below 1e-13).
+    """
     small = np.abs(x) < 0.02
     safe = np.where(small, 1.0, x)
     slope: FloatArray = np.where(
@@ -168,31 +201,47 @@ def _sinc_slope(x: FloatArray, sinc: FloatArray) -> FloatArray:
 
 
 def turn_left(elements: Elements, course: Course) -> float:
-    """What the elements lack of a final heading (rad), within half a turn; 0 if it is free."""
+    """The turn to the final heading (rad).
+
+    It is within half a turn, and 0 if the final heading is free.
+    """
     return 0.0 if course.last is None else float(wrapped(course.last - elements.turn.sum()))
 
 
 def missed(elements: Elements, course: Course, rolled: Rollout | None = None) -> FloatArray:
-    """What the path lacks of each point (x, y in radii) and of a final heading; shape (m,)."""
+    """Differences between the points and the path, shape (m,).
+
+    Two for each point (x, y in radii): the point minus the path's place. If a final heading is
+    given, one more: the rest of the turn (rad).
+    """
     gaps = np.cumsum((rolled or rollout(elements)).gaps(elements, course), axis=0).ravel()
     return gaps if course.last is None else np.append(gaps, turn_left(elements, course))
 
 
 def miss(elements: Elements, course: Course) -> float:
-    """The largest distance (radii) from a point, or angle from the final heading (rad)."""
+    """The largest miss of a path.
+
+    Distances from the points (radii) and the angle from the final heading (rad) are compared as
+    numbers.
+    """
     return largest(missed(elements, course), course)
 
 
 def largest(gaps: FloatArray, course: Course) -> float:
-    """The largest of what `missed` says."""
+    """The largest of the differences that `missed` returns.
+
+    A point's two differences count as one distance.
+    """
     away = np.hypot(*gaps[: 2 * course.legs].reshape(-1, 2).T)
     return float(np.append(away, np.abs(gaps[2 * course.legs :])).max())
 
 
 def slopes(elements: Elements, course: Course, rolled: Rollout) -> tuple[FloatArray, FloatArray]:
-    """Derivatives (m, N) of where legs end (x, y) and of a final heading, as `missed` has them.
+    """Derivatives of the places where legs end.
 
-    By the elements' turns, and by their growth at fixed rates: (1 + g) times the length and turn.
+    Returns two arrays of shape (m, N), with rows in the order of `missed`: x and y of each leg's
+    end, then a final heading if one is given. The first array is by the elements' turns. The second
+    is by the elements' growth g at fixed rates, which multiplies length and turn by 1 + g.
     """
     legs, N = course.legs, elements.turn.size
     ends = np.cumsum(rolled.chords, axis=1)
@@ -209,12 +258,19 @@ def slopes(elements: Elements, course: Course, rolled: Rollout) -> tuple[FloatAr
 
 
 def close_enough(course: Course) -> float:
-    """A miss that needs no correction: rounding of far coordinates leaves as much."""
+    """A miss (radii) that needs no correction.
+
+    The rounding of far coordinates leaves as much.
+    """
     return max(CLOSE, 8 * np.finfo(float).eps * (course.magnitude - 1.0))
 
 
 class Closed(NamedTuple):
-    """Elements, their miss (radii), the number of rollouts for them, and how they were driven."""
+    """Elements after a correction.
+
+    `miss` is in radii. `rollouts` counts all rollouts of the correction. `rolled` is the rollout of
+    these elements.
+    """
 
     elements: Elements
     miss: float
@@ -222,17 +278,18 @@ class Closed(NamedTuple):
     rolled: Rollout
 
 
-_STEPS = 30  # Newton's method takes 1 to 5; more are needed where rates reach their bounds
-_MOST_GROWTH = 0.5  # of the logarithm of a length in a step
+_STEPS = 30  # at most; Newton's method takes 1 to 5, and more where rates reach their bounds
+_MOST_GROWTH = 0.5  # of the logarithm of a length, in one step
 _WITHIN = 0.9  # the share of the way to a bound that a gentle step may go
 
 
 def closed(elements: Elements, rates: Rates, course: Course, equal: bool) -> Closed:
-    """Change the controls as little as needed for the path to meet its points.
+    """Change the controls as little as the points need.
 
-    Every variable is in units of its distance from its bounds: what the solver left at a bound
-    stays there, and to first order the length changes by no more than if the points had moved by
-    the miss. Where no variable is free, as on a turning circle, the rates then change as needed.
+    Every variable is in units of its distance from its bounds. A variable that the solver left at a
+    bound therefore stays there. To first order the length changes by no more than if the points had
+    moved by the miss. If the path still misses, for instance because no variable is free on a
+    turning circle, the rates change as needed.
     """
     near = corrected(elements, rates, course, equal=equal, gentle=True)
     if near.miss <= close_enough(course):
@@ -249,10 +306,11 @@ def corrected(
     gentle: bool = False,
     steps: int = _STEPS,
 ) -> Closed:
-    """Newton's method in the rates and the lengths, for the path to meet its points.
+    """Newton's method for the path to meet its points.
 
-    It changes only the legs' lengths if the elements of each are `equal`, and by `gentle` steps the
-    variables in units of their distance from their bounds.
+    The unknowns are the rates and the lengths. With `equal` all elements of a leg grow by one
+    factor. With `gentle` the variables are in units of their distance from their bounds. The best
+    of all iterates is returned.
     """
     close = close_enough(course)
     now, best = elements, None
@@ -280,9 +338,9 @@ def _moved(
     gaps: FloatArray,
     gentle: bool,
 ) -> Elements:
-    """The elements after the shortest step that solves the linearised equations.
+    """The elements after one step of the correction.
 
-    Rates stop at their bounds.
+    It is the shortest step that solves the linearised equations. Rates stop at their bounds.
     """
     rate = elements.rate
     n = rate.size

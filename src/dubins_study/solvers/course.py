@@ -1,6 +1,7 @@
-"""A scenario's points in units of the radius: what formulations of any number of legs begin with.
+"""A scenario's points in units of the turning radius.
 
-One leg with a free final heading is a course of one step.
+Formulations of any number of legs begin with them. One leg with a free final heading is a course of
+one step.
 """
 
 from __future__ import annotations
@@ -21,9 +22,10 @@ from dubins_study.study.scenario import Pose, Scenario
 
 @dataclass(frozen=True, eq=False)
 class Course:
-    """n legs. The unknown headings are those at the points after the start, shape (k,).
+    """The n legs of a scenario.
 
-    Methods take one set of headings, or several at once in a further dimension.
+    The unknown headings are those at the points after the start, shape (k,). Methods take one set
+    of headings, or several at once in a further dimension.
     """
 
     steps: FloatArray  # from each point to the next (radii), shape (n, 2)
@@ -34,27 +36,39 @@ class Course:
 
     @property
     def legs(self) -> int:
-        """n."""
+        """The number n of legs."""
         return len(self.steps)
 
     @property
     def unknowns(self) -> int:
-        """k: n, or n - 1 if the final heading is given."""
+        """The number k of unknown headings.
+
+        It is n, or n - 1 if the final heading is given.
+        """
         return self.legs - (self.last is not None)
 
     @property
     def magnitude(self) -> float:
-        """The size (radii) of what equations over the points add up."""
+        """The size (radii) of the terms in the equations.
+
+        These are the equations over the points, which add the terms up.
+        """
         return 1.0 + float(np.abs(np.cumsum(self.steps, axis=0)).sum(axis=1).max())
 
     @property
     def data(self) -> FloatArray:
-        """The points after the start (radii), then a final heading (rad) if one is given."""
+        """The points after the start (radii), as one vector.
+
+        A final heading (rad) follows if one is given.
+        """
         points = np.cumsum(self.steps, axis=0).ravel()
         return points if self.last is None else np.append(points, self.last)
 
     def headings(self, unknown: FloatArray) -> FloatArray:
-        """The headings at all points; shape (k, ...) -> (n + 1, ...)."""
+        """The headings at all points.
+
+        Shape (k, ...) -> (n + 1, ...).
+        """
         given = [self.first] if self.last is None else [self.first, self.last]
         first, *last = (np.full((1, *unknown.shape[1:]), heading) for heading in given)
         return np.concatenate((first, unknown, *last))
@@ -65,18 +79,19 @@ class Course:
         return directions
 
     def toward_next(self) -> FloatArray:
-        """The guess `bearing`: at each point toward the next one, at a free end as on the last leg.
+        """The headings of the guess `bearing`, shape (k,).
 
-        Shape (k,).
+        Each heading points toward the next point. A free heading at the end is the last leg's
+        bearing.
         """
         bearings = self.bearings()
         return np.append(bearings[1:], bearings[-1])[: self.unknowns]
 
     def turned(self) -> FloatArray:
-        """At each point one turn toward the next, the shorter way round, and a straight line.
+        """One turn and one straight for each leg.
 
-        A final heading is turned to at the end. Returns signed turns and straights: (rad, radii,
-        rad) of each leg, shape (n, 3).
+        The turn goes the shorter way round, toward the next point. A final heading is turned to at
+        the end. Returns signed turns and straights: (rad, radii, rad) of each leg, shape (n, 3).
         """
         bearings = self.bearings()
         legs = np.zeros((self.legs, 3))
@@ -88,7 +103,10 @@ class Course:
 
 
 def body_course(scenario: Scenario) -> Course:
-    """The course with the start at heading 0, as `Scenario.local` turns a target."""
+    """The course with the start at heading 0.
+
+    `Scenario.local` turns a target in the same way.
+    """
     dx, dy = np.diff(scenario.points, axis=0).T
     cos, sin = math.cos(scenario.start.heading), math.sin(scenario.start.heading)
     steps = np.column_stack((dx * cos + dy * sin, dy * cos - dx * sin)) / scenario.radius
@@ -104,9 +122,10 @@ def path_of(
     lengths: Iterable[float],
     start: Pose | None = None,
 ) -> Path:
-    """The path of pieces at unit radius; a length that is not above zero counts as zero.
+    """The path of pieces at unit radius.
 
-    It begins with the scenario's start pose, or with `start` where the heading there is free.
+    A length that is not above zero counts as zero. The path begins with the scenario's start pose,
+    or with `start` where the heading there is free.
     """
     pieces = [
         (turn / scenario.radius, length * scenario.radius)
@@ -118,22 +137,30 @@ def path_of(
 
 
 def coordinate_rounding(scenario: Scenario) -> float:
-    """The distance (radii) between start and target that the coordinates' rounding may fake."""
+    """The distance (radii) that the coordinates' rounding may fake.
+
+    It may appear between start and target where there is none.
+    """
     return 2 * EPS * scenario.extent / scenario.radius
 
 
 def in_world(scenario: Scenario, duals: FloatArray) -> tuple[float, float]:
-    """The duals (2,) of the end point, turned from body coordinates."""
+    """The end point's duals (2,) in the world frame.
+
+    `duals` are in body coordinates.
+    """
     along, left = float(duals[0]), float(duals[1])
     cos, sin = math.cos(scenario.start.heading), math.sin(scenario.start.heading)
     return along * cos - left * sin, along * sin + left * cos
 
 
 def heading_gap(heading: Any, final: Any) -> Any:
-    """Zero where a heading is the final one, or whole turns from it; there its slope is 1 or -1.
+    """A function that is zero at the final heading.
 
-    A difference would fix the number of turns, sine and cosine as two equations have dependent
-    gradients, and the sine alone is zero at the opposite heading too.
+    It is also zero whole turns away from that heading. At its zeros its slope is 1 or -1.
+
+    A difference would fix the number of turns. Sine and cosine as two equations would have
+    dependent gradients. The sine alone is zero at the opposite heading too.
     """
     from casadi import sin
 
@@ -141,5 +168,5 @@ def heading_gap(heading: Any, final: Any) -> Any:
 
 
 def wrapped(angle: Any) -> Any:
-    """An angle brought to [-pi, pi)."""
+    """Bring an angle to [-pi, pi)."""
     return (angle + math.pi) % TWO_PI - math.pi

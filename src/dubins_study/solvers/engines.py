@@ -1,6 +1,6 @@
-"""Every optimisation library that a formulation is solved with: one table, by the names of specs.
+"""Engines: one table of the optimisation libraries, by name.
 
-Nothing is imported until it is asked.
+An engine's name is also its name in specs. Nothing is imported until an engine is needed.
 """
 
 from __future__ import annotations
@@ -39,27 +39,27 @@ from dubins_study.study.words import (
 class Engine(NamedTuple):
     """An optimisation library.
 
-    Whether a licence is too small or expired is seen when a problem is solved, and is then the
-    row's message: to ask for it here would load every licensed library for a mere list of solvers.
+    A licence that is too small or expired is noticed when a problem is solved; the row's message
+    then says so. To ask for it here would load every licensed library for a mere list of solvers.
     """
 
     label: str  # its name as its makers write it, which rows hold
-    kind: str  # of the problems that it reads; heads it in tables
+    kind: str  # of the problems that it reads; also its heading in tables
     packages: tuple[str, ...]  # those that must be installed
-    # its adapter, or `room.module:function` of that; empty if one solver has it itself
+    # its adapter, or that one's `package.module:function`; empty if a solver calls it directly
     place: str | Callable[..., Any] = ""
     arguments: Mapping[str, Any] = MappingProxyType({})  # of the adapter, beside the options
     options: Options = Options()
-    # `room.module:function` that says why it answers no question here, or returns None
+    # `package.module:function` that returns the reason why it cannot run here, or None
     check: str = ""
     versions: Callable[[], dict[str, str]] | None = None  # of the library inside the package
     keeps_limit: bool = True  # whether a run ends at most a second after its seconds are up
-    # The budget of one search if none is given: the two searches that a target outside the discs
-    # takes are over in about 0.15 s.
+    # The default budget of one search. A target outside the discs takes two searches, which are
+    # then over in about 0.15 s.
     evaluations: int = 0
 
     def unavailable(self) -> str | None:
-        """Why the engine cannot run here, or None."""
+        """The reason why the engine cannot run, or None."""
         reason = missing_package(*self.packages)
         if reason or not self.check:
             return reason
@@ -67,10 +67,11 @@ class Engine(NamedTuple):
         return checked
 
     def load(self) -> Any:
-        """The adapter; what it takes and returns depends on the kind of engine.
+        """The engine's adapter.
 
-        One of nonlinear programs or a search takes `tol`, `max_iter` and `options`, as the settings
-        of a solver have them, and returns an `NlpCall` or a `penalty_function.Search`.
+        Its parameters and results depend on the kind of engine. The adapter of an engine of
+        nonlinear programs, or of a search, takes `tol`, `max_iter` and `options` as the settings of
+        a solver have them. It returns an `NlpCall` or a `penalty_function.Search`.
         """
         place = _resolved(self.place) if isinstance(self.place, str) else self.place
         adapter = partial(place, **self.arguments)
@@ -84,17 +85,20 @@ class Engine(NamedTuple):
         return call
 
     def tolerance(self, options: str, tol: float = 0.0) -> float | None:
-        """The feasibility that the engine is asked for; None if that is left to it."""
+        """The feasibility that the engine is asked for.
+
+        None if the options leave it to the engine.
+        """
         chosen = self.options.of(options, tol)
         asked = (chosen[name] for name in self.options.feasibility if name in chosen)
         return next(asked, None)
 
     def method(self, formulation: str, guess: str, options: str, tol: float) -> Method:
-        """What a solver states of itself that takes these options and this tolerance."""
+        """The `Method` of a solver with these settings."""
         return Method(formulation, self.label, guess, self.tolerance(options, tol))
 
 
-# what makes the results of engines of nonlinear programs tell of the points where they failed
+# adds the slope of the violation to the results of engines of nonlinear programs
 _MEASURED = "nlp_engines.violation:measured"
 
 
@@ -105,7 +109,7 @@ def _resolved(place: str) -> Any:
 
 @cache
 def ipopt_in_casadi() -> dict[str, str]:
-    """The version of the Ipopt library that casadi's wheel carries."""
+    """The version of Ipopt in casadi's wheel."""
     import casadi
 
     # libipopt.so.3, libipopt.3.dylib or libipopt-3.dll
@@ -117,7 +121,7 @@ def ipopt_in_casadi() -> dict[str, str]:
 
 @cache
 def scip_in_pyscipopt() -> dict[str, str]:
-    """The version of the SCIP library inside pyscipopt."""
+    """The version of SCIP inside pyscipopt."""
     from pyscipopt import Model
 
     model = Model()
@@ -142,7 +146,7 @@ def _nlopt(label: str, algorithm: str, **inner: str) -> Engine:
 def _search(
     label: str, name: str, budget: int, optimality: tuple[str, ...] = (), **options: Any
 ) -> Engine:
-    """One of SciPy's."""
+    """An engine for one of SciPy's searches."""
     place, arguments = "stochastic.penalty_function:scipy_search", {"name": name}
     chosen = Options(optimality=optimality, **options)
     return Engine(label, SAMPLING, ("scipy",), place, arguments, chosen, evaluations=budget)
@@ -231,7 +235,7 @@ ENGINES = {
         keeps_limit=False,
     ),
     "bonmin": _nlpsol("Bonmin", "bonmin", _OF_BONMIN, keeps_limit=False),
-    # loads casadi's HiGHS, whose symbols then stand in for those of the package highspy
+    # loads casadi's HiGHS, whose symbols then replace those of the package highspy
     "sleqp": _nlpsol(
         "SLEQP",
         "sleqp",
@@ -269,7 +273,7 @@ ENGINES = {
     "scip": Engine(
         "SCIP", PROVEN, ("pyscipopt",), "minlp_engines.scip:scip", versions=scip_in_pyscipopt
     ),
-    # counts the processor's seconds, and whole ones
+    # its time limit is in whole seconds of processor time
     "maingo": Engine(
         "MAiNGO", PROVEN, ("maingopy",), "minlp_engines.maingo:maingo", keeps_limit=False
     ),
@@ -310,7 +314,7 @@ ENGINES = {
         ),
         evaluations=1000,
     ),
-    # both end by themselves long before the budget
+    # both end long before the budget is spent
     "nelder-mead": Engine(
         "Nelder-Mead",
         DERIVATIVE_FREE,
@@ -336,7 +340,7 @@ ENGINES = {
     ),
     "hybr": Engine("MINPACK hybr", ROOTS, ("scipy",), options=Options((), ("xtol",), "maxfev")),
     "lm": Engine("MINPACK lm", ROOTS, ("scipy",), options=Options((), ("xtol", "ftol"), "maxiter")),
-    # cvxpy starts those of quadratic programs
+    # cvxpy calls the engines of quadratic programs
     "piqp": Engine(
         "PIQP",
         QP,
@@ -379,17 +383,17 @@ ENGINES = {
         ),
     ),
     "glpk": Engine("GLPK", MILP, ("swiglpk",), keeps_limit=False),
-    # Of OR-tools, in whose package lies another HiGHS than highspy's: a process that has loaded one
-    # of the two cannot load the other.
-    # counts the processor's seconds
+    # CBC, CP-SAT and the routing library are those of OR-tools. Its package has another HiGHS than
+    # highspy's: a process that has loaded one of the two cannot load the other.
+    # The time limit of CBC is in seconds of processor time.
     "cbc": Engine("CBC", MILP, ("ortools",), keeps_limit=False),
     "cp-sat": Engine("CP-SAT", CONSTRAINTS, ("ortools",), keeps_limit=False),
     "routing": Engine("OR-Tools routing", ROUTING, ("ortools",), keeps_limit=False),
 }
 
 
-# By the beginning of an executable's name: what AMPL's users call its options. The time limit is
-# kept in any case: at its end the executable is ended.
+# By the beginning of an executable's name: the names of its options in AMPL. The time limit holds
+# without an option too: the executable is ended when it is up.
 EXECUTABLES = {
     "ipopt": Keywords(
         Options(("tol", "constr_viol_tol"), ("tol", "dual_inf_tol", "compl_inf_tol"), "max_iter"),
@@ -409,7 +413,10 @@ EXECUTABLES = {
 
 
 def program_engine(name: str, kind: str) -> Engine:
-    """The line of an executable on PATH that AMPL calls."""
+    """An engine for an executable on PATH.
+
+    The executable is called as AMPL calls a solver.
+    """
     known = (each for begin, each in EXECUTABLES.items() if name.startswith(begin))
     keywords = next(known, Keywords())
     place = "nlp_engines.ampl:ampl_minlp" if kind == PROVEN else "nlp_engines.ampl:ampl_nlp"
@@ -418,7 +425,10 @@ def program_engine(name: str, kind: str) -> Engine:
 
 
 def names(*kinds: str) -> tuple[str, ...]:
-    """The engines of some kinds, in the order of the table."""
+    """The names of the engines of some kinds.
+
+    They are in the order of the table.
+    """
     return tuple(name for name, engine in ENGINES.items() if engine.kind in kinds)
 
 
@@ -428,11 +438,11 @@ def packages(engines: tuple[str, ...]) -> tuple[str, ...]:
 
 
 def others(solver: str, engines: tuple[str, ...], *default: str) -> tuple[str, ...]:
-    """The specs of a solver with every engine but its default."""
+    """A solver's specs for engines other than the default."""
     return tuple(f"{solver}[engine={name}]" for name in engines if name not in default)
 
 
-# those with solvers of their own for the paper's model
+# engines that have solvers of their own for the paper's model
 APART = ("slsqp", "ipopt")
 # the engines that read any program of `nlp_engines.program`
 NLP_ENGINES = tuple(name for name in names(NLP) if ENGINES[name].place)
@@ -440,15 +450,19 @@ MINLP_ENGINES = names(PROVEN)
 
 
 def engine_or_program(default: str, engines: tuple[str, ...]) -> Any:
-    """The setting `engine`: one of some engines, or an executable on PATH that reads NL files."""
+    """Declare the setting `engine`.
+
+    Its value is one of some engines, or an executable on PATH that reads NL files.
+    """
     return name_or_program(default, engines, taken=ENGINES)
 
 
 class EngineSolver(Solver):
-    """A solver whose setting `engine` is a name of the table, or of a plug-in's own.
+    """A solver whose setting `engine` names an engine.
 
-    If it was declared by `engine_or_program`, it may be the name of an executable; `program_kind`
-    says as which kind of engine that is run.
+    The name is one of the table, or of a plug-in's own table. If the setting was declared by
+    `engine_or_program`, it may also be the name of an executable. `program_kind` is the kind of
+    engine that an executable stands for.
     """
 
     engine: str
@@ -457,7 +471,7 @@ class EngineSolver(Solver):
 
     @property
     def library(self) -> Engine:
-        """The engine's line of the table."""
+        """The entry of the solver's engine in the table."""
         return self.engines.get(self.engine) or program_engine(self.engine, self.program_kind)
 
     @property
@@ -485,7 +499,10 @@ class EngineSolver(Solver):
 
 
 class SearchSolver(EngineSolver):
-    """A solver whose engines begin at a guess, but for those that search a whole box."""
+    """A solver whose engine starts at a guess.
+
+    Engines that search a whole box take no guess.
+    """
 
     initial_guess: str
     restarts: bool
@@ -502,10 +519,10 @@ class SearchSolver(EngineSolver):
 
     @property
     def guided(self) -> bool:
-        """Whether the engine begins at a guess."""
+        """Whether the engine starts at a guess."""
         return self.library.kind != SAMPLING
 
     @property
     def guess(self) -> str:
-        """The column `guess`."""
+        """The value of the column `guess`."""
         return self.initial_guess if self.guided else "none"

@@ -1,7 +1,7 @@
-"""The models of this study as files for other people's solvers.
+"""Models of this study as files for other solvers.
 
-(4.12) is in the scenario's own coordinates and units, the disjunctive model in body coordinates at
-unit radius.
+(4.12) is in the scenario's own coordinates and units. The disjunctive model is in body coordinates
+at unit radius.
 """
 
 from __future__ import annotations
@@ -40,11 +40,12 @@ class ExportError(DubinsStudyError, ValueError):
 
 
 def export(scenario: Scenario, model: str = "paper", format: str = "nl", order: str = "LRS") -> str:
-    """A model of a scenario as the text of a file.
+    """Write a model of a scenario as text.
 
-    `paper` is (4.12) in z1, z2 and z3, the lengths of the two turns of an order and of the
-    straight; `disjunctive` the choice among LS, RS, LR and RL in z[1], z[2], z[3] (left, right,
-    straight), cosines, sines and a binary a word. `nl` has no names: its first line tells them.
+    `paper` is (4.12) in z1, z2 and z3: the lengths of the two turns of an order and of the
+    straight. `disjunctive` is the choice among LS, RS, LR and RL, in z[1], z[2], z[3] (left, right,
+    straight), cosines, sines and one binary for each word. The format `nl` has no names of
+    variables; its first line lists them.
     """
     _check("model", model, MODELS)
     _check("format", format, FORMATS[model])
@@ -70,14 +71,20 @@ def _check(name: str, value: str, choices: tuple[str, ...]) -> None:
 
 
 def _guess(scenario: Scenario, order: str) -> tuple[float, ...]:
-    """The first initial guess of this study's local solvers, in the scenario's unit."""
+    """The first initial guess of the local solvers.
+
+    It is in the scenario's unit.
+    """
     case = case_of(order, local(scenario))
     points = initial_guesses(Question(scenario), case, "bearing", 0, 1)
     return tuple(abs(float(length)) * scenario.radius for length in next(points))  # abs: no -0.0
 
 
 def _paper(scenario: Scenario, order: str) -> Any:
-    """(4.12) in Pyomo. With b = -1/R its two turns are to the right and to the left."""
+    """The model (4.12) in Pyomo.
+
+    With b = -1/R its two turns are to the right and to the left.
+    """
     from pyomo.environ import ConcreteModel, Constraint, Expression, Objective, Var, cos, sin
 
     R = scenario.radius if order == "LRS" else -scenario.radius
@@ -122,9 +129,10 @@ Texts = dict[str, str]
 
 
 def texts_of(formulation: str) -> Callable[[Question], Texts]:
-    """What makes the files of a question in a formulation: `paper`, or the spec of a solver.
+    """The function that writes a question's files.
 
-    The function raises an `ExportError` of a question that the formulation cannot be asked.
+    `formulation` is `paper`, or the spec of a solver. The function raises an `ExportError` if the
+    formulation does not take the question.
     """
     _check("formulation", name_of(formulation), tuple(WRITERS))
     write = WRITERS[name_of(formulation)]
@@ -151,7 +159,10 @@ def _paper_texts(_: Any, question: Question) -> Texts:
 
 
 def _route_texts(solver: Any, question: Question) -> Texts:
-    """All arcs of a route, from the first initial guess."""
+    """A route's program as an NL file.
+
+    It starts at the first initial guess.
+    """
     model = solver.build(question)
     program = pyomo_model(mixed_program(model.program), solver.first_guess(model))
     title = f"{solver.name}, radii, from the start; of each leg its arcs and the heading after"
@@ -167,7 +178,10 @@ def _disjunction_texts(solver: Any, question: Question) -> Texts:
 
 
 def _grid_texts(solver: Any, question: Question) -> Texts:
-    """A mixed-integer linear program; the columns of its arcs name places and headings (rad)."""
+    """A mixed-integer linear program as an MPS file.
+
+    The columns of its arcs name places and headings (rad).
+    """
     graph, program = solver.build(question)
     if graph.places.count > 2 and getattr(solver, "model", "") == "cuts":
         raise ExportError("tour-milp[model=cuts] adds rows while it runs; expected flow or mtz")
@@ -183,7 +197,10 @@ def _grid_texts(solver: Any, question: Question) -> Texts:
 
 
 def _convex_texts(_: Any, question: Question) -> Texts:
-    """A frozen convex problem as CBF, and one without cones as QPS."""
+    """A frozen convex problem as a CBF file.
+
+    A problem without cones is written as a QPS file too.
+    """
     from dubins_study.study.convex.formats import cbf_text, qps_text
     from dubins_study.study.convex.problem import posed
 
@@ -193,7 +210,7 @@ def _convex_texts(_: Any, question: Question) -> Texts:
     return {".cbf": cbf_text(problem)} | quadratic
 
 
-# By the formulation's name: what makes the files of a question.
+# By the formulation's name: the function that writes the files of a question.
 WRITERS: dict[str, Callable[[Any, Question], Texts]] = {
     "paper": _paper_texts,
     "route-nlp": _route_texts,

@@ -1,4 +1,4 @@
-"""HiGHS by its package highspy: linear rows and bounds as it reads them, and a run."""
+"""Linear programs for HiGHS, by its package highspy."""
 
 from __future__ import annotations
 
@@ -19,7 +19,11 @@ def highs_rows(
     high: FloatArray,
     whole: BoolArray | None = None,
 ) -> Any:
-    """min cost x subject to least <= rows x <= most and low <= x <= high, some x whole."""
+    """A linear or mixed-integer program as a `highspy.HighsLp`.
+
+    min cost x subject to least <= rows x <= most and low <= x <= high. The x with a true entry in
+    `whole` are whole numbers.
+    """
     import highspy
 
     program = highspy.HighsLp()
@@ -42,7 +46,10 @@ def highs_rows(
 
 
 def highs_holding(program: Any, options: OptionValues) -> Any:
-    """A silent `highspy.Highs` that holds a program, and has not solved it."""
+    """A silent `highspy.Highs` that holds a program.
+
+    It has not solved the program yet.
+    """
     import highspy
 
     solver = highspy.Highs()
@@ -54,7 +61,7 @@ def highs_holding(program: Any, options: OptionValues) -> Any:
 
 
 def highs_run(program: Any, options: OptionValues) -> Any:
-    """The `highspy.Highs` that has solved a program, silently."""
+    """A silent `highspy.Highs` that has solved a program."""
     solver = highs_holding(program, options)
     solver.run()
     return solver

@@ -1,4 +1,7 @@
-"""The shortest legs of a route between given headings, by the closed form of one leg."""
+"""The shortest legs of a route between given headings.
+
+They come from the closed form of one leg.
+"""
 
 from __future__ import annotations
 
@@ -20,10 +23,12 @@ WORD_TURNS = np.array([[TURN[letter] for letter in word] for word in WORDS6])
 
 @dataclass(frozen=True, eq=False)
 class Route(Course):
-    """A course whose legs are known between any two headings."""
+    """A course with known shortest legs between any headings."""
 
     def shortest(self, headings: FloatArray) -> tuple[FloatArray, Any]:
-        """The shortest legs between headings of shape (n + 1, ...).
+        """The shortest legs between headings.
+
+        `headings` has shape (n + 1, ...).
 
         Returns their segments (radii or rad), shape (3, n, ...), and their words, shape (n, ...),
         as indices into `study.closed_form.pose.WORDS6`.
@@ -38,7 +43,10 @@ class Route(Course):
 def legs(
     x: FloatArray, y: FloatArray, first: FloatArray, last: FloatArray
 ) -> tuple[FloatArray, Any]:
-    """The shortest legs over steps (x, y) between headings: segments (3, m), words (m,)."""
+    """The shortest legs over steps between headings.
+
+    A step is (x, y), in radii. Returns segments (3, m) and words (m,).
+    """
     from dubins_study.study.closed_form.pose_kernel import pose_rows  # loads Numba
 
     zeros = np.zeros(x.size)
@@ -47,7 +55,10 @@ def legs(
 
 
 def route_of(scenario: Scenario) -> Route:
-    """The route of a scenario, in the directions of its axes."""
+    """The route of a scenario.
+
+    Its directions are those of the scenario's axes.
+    """
     steps = np.diff(scenario.points, axis=0) / scenario.radius
     target = local(scenario) if scenario.one_free_leg else None
     return Route(steps, scenario.start.heading, scenario.final_heading, target)

@@ -1,4 +1,7 @@
-"""Every formulation with every engine: the spec that asks for the pair, or why nobody can."""
+"""The matrix of formulations and engines.
+
+Each pair has the spec that asks for it, or the reason why none does.
+"""
 
 from __future__ import annotations
 
@@ -23,7 +26,7 @@ from dubins_study.study.words import (
 )
 
 _BOUNDS_ONLY = "takes bounds and no equations, of which the penalty is made"
-# kind of engine -> why its engines read no other formulations than they do
+# kind of engine -> why its engines do not read the other formulations
 _REASONS = {
     EXACT: "no engine is needed for a formula",
     NLP: "reaches this engine only as Pyomo's model of (4.12)",
@@ -39,7 +42,11 @@ _REASONS = {
 
 
 def matrix() -> list[MatrixEntry]:
-    """One entry for each pair, formulation by formulation; engines in the order of kinds."""
+    """One entry for each pair of formulation and engine.
+
+    The entries are in the order of the formulations. Those of one formulation are in the order of
+    the engines' kinds.
+    """
     kinds = {"analytic": EXACT} | {name: ENGINES[name].kind for name in (*APART, *ENGINES)}
     places = {kind: place for place, kind in enumerate(_REASONS)}
     ordered = sorted(kinds, key=lambda name: places[kinds[name]])
@@ -53,7 +60,11 @@ def matrix() -> list[MatrixEntry]:
 
 
 def _spec(template: str, name: str) -> str:
-    """The spec that asks an engine, by its own solver for the paper's model if it has one."""
+    """The spec that asks for an engine.
+
+    `slsqp` and `ipopt` have solvers of their own for the paper's model; the spec then names that
+    solver.
+    """
     if name in APART and template.startswith("nlp[engine={}"):
         return template.replace("nlp[engine={}", f"{name}[").replace("[,", "[").replace("[]", "")
     return template.format(name)
@@ -77,7 +88,7 @@ def _of_engine(name: str, kind: str) -> Iterator[MatrixEntry]:
         engine = label
         if asked is not None:
             reason = unavailable(asked[1])
-            engine = stated_method(asked[1]).engine  # exact ones are several
+            engine = stated_method(asked[1]).engine  # the exact methods have several names
         yield MatrixEntry(
             formulation=formulation.name,
             engine=engine,

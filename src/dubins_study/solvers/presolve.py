@@ -1,6 +1,6 @@
-"""The presolve: what the geometry of a question says of its words before an engine sees them.
+"""The presolve: words that geometry excludes before any solve.
 
-A row that it answers says so, and proves nothing for the engine.
+A row that the presolve answers says so, and proves nothing for the engine.
 """
 
 from __future__ import annotations
@@ -13,7 +13,10 @@ WORDS = BRANCHES[1:]
 
 
 def presolved(question: Question) -> Solution | None:
-    """The answer to a question whose word ends nowhere near the target; None to all others."""
+    """The presolve's answer to a question, or None.
+
+    It answers only if the branch is a word that provably ends nowhere near the target.
+    """
     if question.branch == "best":
         return None
     reason = unreachable(local(question.scenario), question.branch)
@@ -24,7 +27,10 @@ def presolved(question: Question) -> Solution | None:
 
 
 def words(branch: str, target: Local, presolve: bool) -> tuple[str, ...]:
-    """The words to look for a path among; with `presolve`, without those that cannot exist."""
+    """The words among which to look for a path.
+
+    With `presolve`, words that cannot exist are left out.
+    """
     named = WORDS if branch == "best" else (branch,)
     if not presolve:
         return named
@@ -32,14 +38,14 @@ def words(branch: str, target: Local, presolve: bool) -> tuple[str, ...]:
 
 
 def unreachable(target: Local, word: str) -> str | None:
-    """Why no path of a word ends at the target, or None.
+    """The reason that excludes a word, or None.
 
-    C is the centre of the first turn's circle. A tangent of this
-    circle lies outside it, so LS and RS end at no target inside. The second turn of LR and RL is on
-    a circle of radius 1 whose centre is 2 from C: it passes only targets from 1 to 3 away from C.
+    C is the centre of the first turn's circle. A tangent of this circle lies outside it, so LS and
+    RS end at no target inside. The second turn of LR and RL is on a circle of radius 1 whose centre
+    is 2 from C: it passes only targets from 1 to 3 away from C.
 
-    In doubt a word exists: of all targets within delta of the given one (docs/derivation.md,
-    section 5) none can be reached where this says so.
+    In doubt the result is None. If a reason is given, no path of the word reaches any target within
+    delta of the given one (docs/derivation.md, section 5).
     """
     X, Y, delta = target
     side = Y if word[0] == "L" else -Y

@@ -1,4 +1,4 @@
-"""The promise that every solver keeps, written once."""
+"""The interface of every solver."""
 
 from __future__ import annotations
 
@@ -24,7 +24,10 @@ if TYPE_CHECKING:
 
 
 class Guarantee(StrEnum):
-    """The promise of a method for the answers that it calls solutions."""
+    """The guarantee of a method for its solutions.
+
+    It holds for an answer that the method calls a solution.
+    """
 
     EXACT = "exact"
     LOCAL = "local"
@@ -35,10 +38,10 @@ class Guarantee(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class Question:
-    """A scenario, the branch that is asked for, and an initial guess.
+    """A scenario, a branch and an initial guess.
 
     The guess is a path when warm, and None when cold. `repeat` numbers the times that the question
-    is put to a solver; one that draws random numbers adds it to its seed.
+    is put to a solver. A solver that draws random numbers adds it to its seed.
     """
 
     scenario: Scenario
@@ -48,9 +51,10 @@ class Question:
 
     @property
     def guess_in_radii(self) -> Path | None:
-        """The initial guess at unit radius, from (0, 0) with heading 0.
+        """The initial guess at unit radius.
 
-        None if it is cold, or a path that doubles cannot drive.
+        It starts at (0, 0) with heading 0. None if the question is cold, or if doubles cannot drive
+        the path.
         """
         given, radius = self.initial_guess, self.scenario.radius
         if given is None or not drivable(given):
@@ -62,7 +66,9 @@ class Question:
 
 
 class Method(NamedTuple):
-    """The columns that a comparison of solvers needs, the same for all questions to a solver.
+    """The columns that describe a solver's method.
+
+    They are the same for all questions to a solver.
 
     Args:
         formulation: the problem that is handed over, one of `study.words.FORMULATIONS` if it fits.
@@ -73,7 +79,7 @@ class Method(NamedTuple):
         proves: the smallest relative gap that a bound of the solver's can prove with its settings;
             None if it gives no bound, or does not know.
         presolve: whether questions are presolved for the solver; its own attribute decides.
-        knows: what the solver knows of the answer beside what its formulation and guess do.
+        knows: the solver's knowledge of the answer, beyond that in its formulation and guess.
     """
 
     formulation: str = "not stated"
@@ -85,7 +91,10 @@ class Method(NamedTuple):
     knows: str = ""
 
     def columns(self, question: Question | None = None) -> dict[str, Any]:
-        """The row's columns; the guess is `warm` if the question hands one to a search."""
+        """The row's columns.
+
+        The guess is `warm` if the question hands one to a search.
+        """
         given = question is not None and question.initial_guess is not None
         guess = "warm" if given and self.guess != "none" else self.guess
         guesses = GUESSES.get(guess, guess)
@@ -102,18 +111,20 @@ class Method(NamedTuple):
 NOT_STATED = Method()
 
 
-# The check has no limit of its own, and a caller waits for it after the solver's: it takes 0.1 to
-# 0.7 s of processor time for this many arcs (about 10 us an arc, spread evenly over its steps), a
-# hundred times as many as the finest grid of an experiment.
+# The check has no time limit of its own, and a caller waits for it after the solver's limit. It
+# takes 0.1 to 0.7 s of processor time for this many arcs (about 10 us an arc, spread evenly over
+# its steps). They are a hundred times as many as those of the finest grid of an experiment.
 MAX_ARCS = 2**16
 
 
 @dataclass(frozen=True)
 class Solution(Reported):
-    """The answer of a solver. The path is kept and judged whatever the claim.
+    """A solver's answer.
+
+    The path is kept and judged whatever the claim.
 
     Args:
-        claim: what the solver says of its answer.
+        claim: the solver's claim about its answer.
         path: controls of at most `MAX_ARCS` arcs, or None if there is no point to return.
         claimed_length: objective value as the solver reports it (length unit).
         lower_bound: a bound on the scenario's shortest length, if the method proves one.
@@ -122,8 +133,8 @@ class Solution(Reported):
         iterations, evaluations: the solver's own counts, summed over its subproblems.
         native_status, message: the status and message of the library that solved.
         presolved: whether the presolve answered (`solvers.presolve`), and no engine was asked.
-        efforts: what each subproblem cost, in the order in which they were solved.
-        best_run: what the one run cost that the answer comes from.
+        efforts: the cost of each subproblem, in the order in which they were solved.
+        best_run: the cost of the run from which the answer comes.
         trace: paths on the way to the answer, each with the evaluations that were spent until then.
 
     Raises:
@@ -151,7 +162,7 @@ def _path(value: Any) -> Path:
     return value
 
 
-# The largest count that a results folder holds: beyond it doubles leave out whole numbers.
+# The largest count that a results folder holds: not all whole numbers above it are doubles.
 _MAX_COUNT = 2**53
 
 
@@ -162,7 +173,10 @@ def _count(value: Any) -> int:
 
 
 def _text(value: Any) -> str:
-    """The value as a plain str, of any subclass too, and of what a row can hold."""
+    """The value as a plain str for a row.
+
+    A subclass of str becomes a str too. Surrogates are replaced.
+    """
     if type(value) is str and value.isascii():
         return value
     return str.encode(str(value), "utf-8", "replace").decode()
@@ -191,8 +205,8 @@ def _trace(value: Any) -> tuple[tuple[int, Path], ...]:
     return tuple((_count(evaluations), _path(path)) for evaluations, path in value)
 
 
-# what makes a plain value of what a solver gives, by the annotation of the field, and how a message
-# names what was expected
+# by the annotation of a field: the function that makes a plain value of the solver's value, and the
+# name of the expected type in messages
 _OF_TYPE: dict[str, tuple[Callable[[Any], Any], str]] = {
     "Claim": (Claim, f"one of: {', '.join(Claim)}"),
     "Path | None": (_path, "a Path or None"),
@@ -212,12 +226,13 @@ _OPTIONAL = {each.name for each in fields(Reported) if str(each.type).endswith("
 
 @dataclass(frozen=True, eq=False)
 class FrameSolution:
-    """The answers of a solver's `solve_frame(frame, branch)` to n scenarios, as arrays.
+    """A solver's answers to n scenarios, as arrays.
 
-    The frame that the solver gets has passed `study.scenario_frame.check_frame`. It has no via
-    points, and the final headings of all rows are free, or given, if the solver takes them;
-    `branch` is one of the solver's own. The caller times the call and judges the paths, as for
-    `Solver.solve`. Values of another shape or type are a TypeError.
+    They are the result of the solver's `solve_frame(frame, branch)`. The frame that the solver gets
+    has passed `study.scenario_frame.check_frame`. It has no via points. The final headings of all
+    rows are free, or all are given if the solver takes them. `branch` is one of the solver's own.
+    The caller times the call and judges the paths, as for `Solver.solve`. Values of another shape
+    or type are a TypeError.
     """
 
     claim: Claim | ArrayLike  # one for all rows, or indices into `study.path.CLAIMS`, shape (n,)
@@ -251,18 +266,20 @@ class FrameSolution:
 
 
 class Solver:
-    """The base class of every solver: one method with its settings.
+    """The base class of every solver.
 
-    A solver is a frozen dataclass that extends this class; its fields are its settings. It must
-    give `name` and either `solve(question, limit)`, or `build(question)` and `solve(model, limit)`,
-    which are then timed apart. Everything else has the default that stands here.
+    A solver is one method with its settings. It is a frozen dataclass that extends this class; its
+    fields are the settings. It must give `name` and either `solve(question, limit)`, or
+    `build(question)` and `solve(model, limit)`, which are then timed apart. Everything else has the
+    default that stands here.
 
     Class attributes:
         name: the name in the registry, e.g. `turn-rate-qp`.
-        guarantee: what the method promises.
+        guarantee: the method's promise.
         branches: the branches that the solver can answer.
-        takes: what the solver can be asked, of `study.words.NEEDS`: `free final heading`, `final
-            heading`, `via points`. A scenario that needs more is `unsupported`, without a call.
+        takes: the needs that the solver can meet, of `study.words.NEEDS`: `free final heading`,
+            `final heading`, `via points`. A scenario that needs more is `unsupported`, without a
+            call.
         warm: whether the solver uses `Question.initial_guess`.
         packages: distributions whose versions belong to the solver's rows.
         summary: one line for `dubins-study solvers`.
@@ -293,42 +310,57 @@ class Solver:
 
     @property
     def method(self) -> Method:
-        """Formulation, engine and initial guess; a plug-in may give a plain tuple."""
+        """The formulation, engine and initial guess.
+
+        A plug-in may give a plain tuple.
+        """
         return NOT_STATED
 
     @property
     def runs(self) -> str | None:
-        """The name of the program on PATH that the solver starts, or None."""
+        """The program on PATH that the solver starts.
+
+        None if it starts no program.
+        """
         return None
 
     @property
     def keeps_limit(self) -> bool:
-        """Whether the solver, with its settings, may be asked in the caller's own process.
+        """Whether the solver may run in the caller's process.
 
-        True is a promise: `build` and `solve` together return at most a second after the limit,
-        whatever the question, on a machine that is not overloaded and once the libraries are
-        loaded; and they print nothing. Where it is not made, `dubins_study.solve` asks in a worker
-        process, which is killed at the limit.
+        True is a promise about `build` and `solve` together. Whatever the question, they return at
+        most a second after the limit, and they print nothing. It supposes a machine that is not
+        overloaded, and libraries that are loaded. Without this promise `dubins_study.solve` asks in
+        a worker process, which is killed at the limit.
         """
         return False
 
     def unavailable(self) -> str | None:
-        """Why the solver cannot run here (a missing package, binary or licence), or None."""
+        """The reason why the solver cannot run, or None.
+
+        A package, a binary or a licence may be missing.
+        """
         return None
 
     def library_versions(self) -> dict[str, str]:
-        """Versions of the libraries that lie inside the solver's packages, by library."""
+        """Versions of the libraries inside the solver's packages.
+
+        The keys are the libraries' names.
+        """
         return {}
 
     def build(self, question: Question) -> Any:
-        """The model that `solve` takes; timed as build. By default it is the question itself.
+        """The model that `solve` takes.
 
-        A template that all questions share is compiled once and kept between calls.
+        The caller times this as build. By default the model is the question itself. A template that
+        all questions share is compiled once and kept between calls.
         """
         return question
 
     def solve(self, model: Any, limit: float) -> Solution:
-        """Optimise for about `limit` seconds; timed as solve. A failure is a claim, no exception.
+        """Optimise for about `limit` seconds.
+
+        The caller times this as solve. A failure is a claim, no exception.
 
         Args:
             model: what `build` returned; the question, where `build` is the default.

@@ -1,4 +1,7 @@
-"""Solvers by name. Nothing is imported until a solver is asked for."""
+"""The registry: solvers by name.
+
+Nothing is imported until a solver is needed.
+"""
 
 from __future__ import annotations
 
@@ -32,7 +35,7 @@ class Entry(NamedTuple):
     branches: tuple[str, ...]
     summary: str
     settings: dict[str, Any]
-    reason: str | None  # why it is not available; None when it is
+    reason: str | None  # why it is not available; None if it is
 
 
 @cache
@@ -41,7 +44,10 @@ def _registered() -> dict[str, EntryPoint]:
 
 
 def ours(spec: str) -> bool:
-    """Whether a spec, valid or not, can only name code of this package."""
+    """Whether a spec only names this package's code.
+
+    The spec may be invalid.
+    """
     return _our_name(name_of(spec) if isinstance(spec, str) else "")
 
 
@@ -59,7 +65,10 @@ def registered() -> list[str]:
 
 
 def registered_name(kind: type[Solver]) -> str | None:
-    """The name that a class is registered under, or None."""
+    """The name that a class is registered under.
+
+    None if it is not registered.
+    """
     place = f"{kind.__module__}:{kind.__qualname__}"
     return next((name for name, point in _registered().items() if point.value == place), None)
 
@@ -70,7 +79,10 @@ def available_solvers() -> list[str]:
 
 
 def entries() -> list[Entry]:
-    """Every registered solver, its `variants` after it: what it is, or why it cannot run."""
+    """Every registered solver, followed by its `variants`.
+
+    An entry describes the solver, or gives the reason why it cannot run.
+    """
     listed = []
     for name in registered():
         listed.append(_entry(name))
@@ -80,7 +92,10 @@ def entries() -> list[Entry]:
 
 
 def entry(spec: str) -> Entry:
-    """What the solver of a spec is and, if it cannot run here, why."""
+    """The description of a spec's solver.
+
+    If the solver cannot run here, its `reason` says why.
+    """
     load(spec)
     return _entry(spec)
 
@@ -104,12 +119,15 @@ def _entry(name: str) -> Entry:
     )
 
 
-# begins the reason of a solver that does not say whether it is available
+# the reason begins like this if a solver's `unavailable` raises
 UNKNOWN = "asking whether it is available raised"
 
 
 def unavailable(solver: Solver) -> str | None:
-    """Why a solver cannot run here, or None; one whose `unavailable` raises cannot."""
+    """The reason why a solver cannot run, or None.
+
+    A solver whose own method `unavailable` raises cannot run.
+    """
     try:
         return solver.unavailable()
     except (Exception, SystemExit) as error:  # a plug-in may fail in any way; it is a reason
@@ -119,7 +137,7 @@ def unavailable(solver: Solver) -> str | None:
 def reported_versions(solver: Solver) -> dict[str, str]:
     """Versions of the libraries inside a solver's packages.
 
-    Asked in the process that solves, since loading a library may take long or fail.
+    Call this in the process that solves, since loading a library may take long or fail.
     """
     try:
         return {str(name): str(text) for name, text in dict(solver.library_versions()).items()}
@@ -128,7 +146,10 @@ def reported_versions(solver: Solver) -> dict[str, str]:
 
 
 def stated_method(solver: Solver) -> Method:
-    """A solver's formulation, engine and initial guess, as far as it states them."""
+    """The formulation, engine and guess that a solver states.
+
+    A SolverError tells that the statement is no tuple of texts.
+    """
     stated: Any = solver.method
     try:
         method = Method(*stated) if isinstance(stated, tuple) else None
@@ -152,9 +173,10 @@ def settings(solver: Solver) -> dict[str, Any]:
 
 
 def canonical(spec: str, profile: str = "default") -> str:
-    """The spec as rows write it: settings in their order, without those that the profile has.
+    """The spec as rows write it.
 
-    Settings that the class lists in `always_named` are written whatever their values.
+    The settings are in their order, without those that have the profile's values. Settings that the
+    class lists in `always_named` are written whatever their values.
     """
     name, given = parse_spec(spec)
     kind = _kind(name)
@@ -169,9 +191,10 @@ def canonical(spec: str, profile: str = "default") -> str:
 
 
 def load(spec: str, profile: str = "default") -> Solver:
-    """The solver of a spec: `ipopt`, `turn-rate-qp[n=50,engine=piqp]`, or `file.py:Class`.
+    """Load the solver of a spec.
 
-    The settings of a profile come before those of the spec. A SolverError names what is wrong.
+    A spec is `ipopt`, `turn-rate-qp[n=50,engine=piqp]` or `file.py:Class`, for example. The
+    settings of the spec replace those of the profile. A SolverError names the mistake.
     """
     name, given = parse_spec(spec)
     kind = _kind(name)
@@ -208,7 +231,10 @@ def _kind(name: str) -> type[Solver]:
 
 
 def _told(error: BaseException) -> str:
-    """An exception in a line; of a syntax error the file, the line and the caret below it."""
+    """An exception as text.
+
+    The text of a syntax error has the file, the line and the caret below it.
+    """
     *place, last = format_exception_only(error)
     return "\n".join([last.strip(), "".join(place).rstrip()]).rstrip()
 
@@ -255,7 +281,7 @@ def _are_profiles(value: Any) -> bool:
     return isinstance(value, dict) and all(isinstance(each, dict) for each in value.values())
 
 
-# attribute of a class -> whether its value is one, and what is expected
+# attribute of a class -> the test of its value, and the text of the expected value
 _DECLARED = {
     "branches": (_are_texts, "texts, a tuple"),
     "packages": (_are_texts, "texts, a tuple"),
@@ -265,7 +291,10 @@ _DECLARED = {
 
 
 def _checked(name: str, kind: Any) -> type[Solver]:
-    """The class, if it extends `Solver` as its docstring says."""
+    """The class, if it is a complete solver.
+
+    It must extend `Solver` and follow that class's docstring.
+    """
     if not _is_solver(kind) or not kind.name or kind.solve is Solver.solve:
         raise SolverError(
             f"solver {name!r} is no solver; expected a frozen dataclass class Name(Solver) that "
@@ -279,7 +308,10 @@ def _checked(name: str, kind: Any) -> type[Solver]:
 
 
 def _convert(name: str, kind: type[Solver], given: dict[str, str]) -> dict[str, Any]:
-    """The settings' texts as values of the types that the defaults have."""
+    """The settings' texts as values.
+
+    The values have the types of the defaults.
+    """
     if not given:
         return {}
     defaults = settings(kind())

@@ -1,4 +1,4 @@
-"""Runs of engines, and the answer that several give together."""
+"""Runs of engines, and one answer from several runs."""
 
 from __future__ import annotations
 
@@ -41,12 +41,18 @@ class EngineResult(NamedTuple):
 
 
 def no_point(n: int, claim: Claim, status: str, message: str) -> EngineResult:
-    """The end of a run that returned no point of the n variables, and counts nothing."""
+    """The end of a run that returned no point.
+
+    The point has n variables, all NaN. Nothing is counted.
+    """
     return EngineResult(np.full(n, np.nan), claim, status=status, message=message)
 
 
 class Run(NamedTuple, Generic[Point]):
-    """One run of an engine on a subproblem: how it ended, what it cost, where its path leads."""
+    """One run of an engine on a subproblem.
+
+    It holds how the run ended, its cost, and where its path leads.
+    """
 
     subproblem: str
     seconds: float
@@ -54,16 +60,16 @@ class Run(NamedTuple, Generic[Point]):
     point: Point  # from which the formulation makes the path
     length: float = math.inf  # radii; infinite without a path
     miss: float = math.inf  # radii
-    bound: float = -math.inf  # radii: what the engine proves of the length
+    bound: float = -math.inf  # radii: the engine's lower bound on the length
 
     @property
     def claim(self) -> Claim:
-        """What the engine claims."""
+        """The engine's claim."""
         return self.result.claim
 
     @property
     def effort(self) -> Effort:
-        """What the run cost."""
+        """The cost of the run."""
         return Effort(self.subproblem, 1, self.result.evaluations, self.seconds)
 
 
@@ -72,9 +78,11 @@ def timed(
     solve: Callable[[Guess, float], EngineResult],
     length: Callable[[FloatArray], float],
 ) -> Callable[[Guess, float], Run[FloatArray]]:
-    """Runs of `solve`, which takes the seconds left, until a time (s, on `perf_counter`).
+    """A function that times runs of `solve`.
 
-    The point is the engine's own; `length` is that of its path, in radii.
+    `solve` takes the seconds that are left. The function takes a time (s, on `perf_counter`) at
+    which the run must end. The point is the engine's own; `length` gives the length of its path, in
+    radii.
     """
 
     def run(guess: Guess, until: float) -> Run[FloatArray]:
@@ -87,18 +95,21 @@ def timed(
 
 
 class Attempts(NamedTuple, Generic[Guess, Point]):
-    """One subproblem, and the initial guesses to solve it from in turn, computed one by one."""
+    """One subproblem and its initial guesses.
+
+    The guesses are computed one by one and tried in turn.
+    """
 
     guesses: Iterable[Guess]
     solve: Callable[[Guess, float], Run[Point]]  # until a time (s, on `perf_counter`)
-    enough: Callable[[Run[Point]], bool]  # whether a solution leaves no reason to try another guess
+    enough: Callable[[Run[Point]], bool]  # whether a solution makes further guesses needless
 
 
 def tried(attempts: Iterable[Attempts[Guess, Point]], until: float) -> list[Run[Point]]:
-    """The runs on all subproblems; none begins when the time is up.
+    """The runs on all subproblems.
 
-    Each subproblem has an equal share of the time that is left: some engines never end on a word
-    that has no path, and would leave nothing for the others.
+    No run begins when the time is up. Each subproblem has an equal share of the time that is left:
+    some engines never end on a word that has no path, and would leave nothing for the others.
     """
     runs: list[Run[Point]] = []
     every = list(attempts)
@@ -117,10 +128,12 @@ def tried(attempts: Iterable[Attempts[Guess, Point]], until: float) -> list[Run[
 def settled(
     runs: Sequence[Run[Point]], miss: Callable[[Run[Point]], float]
 ) -> tuple[Run[Point], Claim]:
-    """The shortest run that is a solution to its engine, and that claim.
+    """The best run, and the claim of the answer.
 
-    If there is none: the run that misses least, and the claim that all share, or `failed`. What is
-    feasible to the engine's tolerance but passes the points by is no path, and has failed too.
+    The best run is the shortest one that its engine calls a solution. If there is none, it is the
+    run that misses least. The claim is then the one that all runs share, else `failed`. A point
+    that is feasible to the engine's tolerance but passes the points by is no path, and has failed
+    too.
     """
     solved = [run for run in runs if run.claim is Claim.LOCAL]
     if solved:
@@ -134,12 +147,15 @@ def settled(
     return best, Claim.FAILED if off else claim
 
 
-# of an engine that ended by itself, without a path
+# claims of an engine that ended by itself, without a path
 _WITHOUT_PATH = (Claim.FAILED, Claim.LOCALLY_INFEASIBLE)
 
 
 def spent(runs: Sequence[Run[Any]], best: Run[Any] | None = None) -> dict[str, Any]:
-    """The fields of a solution that say what all runs of a question cost, and its best one."""
+    """The fields of a solution about its cost.
+
+    They cover all runs of a question, and the best one.
+    """
     fields: dict[str, Any] = {
         "iterations": total(run.result.iterations for run in runs),
         "evaluations": total(run.result.evaluations for run in runs),
@@ -153,16 +169,16 @@ def spent(runs: Sequence[Run[Any]], best: Run[Any] | None = None) -> dict[str, A
 
 
 def nothing_found(runs: Sequence[Run[Any]]) -> Solution:
-    """The answer where no run has a point."""
+    """The answer if no run has a point."""
     messages = [run.result.message for run in runs]
     return Solution(Claim.LIMIT, message=(messages or ["no time to begin"])[0])
 
 
 def at_start(scenario: Scenario, target: Local | None, tolerance: float = 0.0) -> Solution | None:
-    """The path of no length where the target is within `tolerance` radii of the start, or None.
+    """The answer of no length, or None.
 
-    `target` is None where a path of no length is no answer: but for one leg with a free final
-    heading.
+    It exists if the target is within `tolerance` radii of the start. `target` is None where a path
+    of no length is no answer: in every case but one leg with a free final heading.
     """
     if target is None or not math.hypot(target.X, target.Y) <= tolerance:
         return None
@@ -171,13 +187,19 @@ def at_start(scenario: Scenario, target: Local | None, tolerance: float = 0.0) -
 
 
 def total(counts: Iterable[int | None]) -> int | None:
-    """The sum, or None if an engine does not count."""
+    """The sum, or None if a count is missing.
+
+    An engine that does not count gives None.
+    """
     known = list(counts)
     return None if None in known else sum(count for count in known if count is not None)
 
 
 def summed(efforts: Iterable[Effort]) -> tuple[Effort, ...]:
-    """Efforts by subproblem, in the order in which these were begun."""
+    """The efforts, added up by subproblem.
+
+    The subproblems are in the order in which they were begun.
+    """
     by_name: dict[str, list[Effort]] = {}
     for effort in efforts:
         by_name.setdefault(effort.subproblem, []).append(effort)

@@ -1,7 +1,7 @@
-"""Settings of solvers with what they may be, sets of engines' options, and what is installed.
+"""Settings of solvers, their checks, and engines' option sets.
 
-`n: int = whole(50, 2, 2000)` declares one; `Solver` refuses another value by a ValueError that
-names the setting, its value and what was expected.
+`n: int = whole(50, 2, 2000)` declares one setting. `Solver` refuses another value by a ValueError
+that names the setting, its value and what was expected. `missing_package` looks for packages.
 """
 
 from __future__ import annotations
@@ -18,7 +18,10 @@ from dubins_study.study.values import did_you_mean
 
 
 def missing_package(*names: str) -> str | None:
-    """Which of some packages cannot be imported here, as a reason; None if all can."""
+    """The reason that a package is missing, or None.
+
+    It names the first package that cannot be imported here. None if all can.
+    """
     for name in names:
         if importlib.util.find_spec(name) is None:
             return f"the package {name} is not installed"
@@ -26,7 +29,7 @@ def missing_package(*names: str) -> str | None:
 
 
 class _Rule(NamedTuple):
-    """What a setting may be, and how a refusal says so."""
+    """The rule of a setting, with its message."""
 
     holds: Callable[[Any], bool]
     expected: str
@@ -37,7 +40,10 @@ _RULE = object()  # the key of a setting's rule
 
 
 def check_settings(solver: Any) -> None:
-    """Refuse a dataclass with a setting that is not what its declaration says."""
+    """Refuse a dataclass with a forbidden setting.
+
+    A setting must hold to the rule of its declaration.
+    """
     for setting in fields(solver):
         value, rule = getattr(solver, setting.name), setting.metadata.get(_RULE)
         if rule is not None and not rule.holds(value):
@@ -50,17 +56,20 @@ def _setting(default: Any, *rule: Any) -> Any:
 
 
 def one_of(default: str, choices: Collection[str]) -> Any:
-    """A setting that is one of some texts."""
+    """Declare a setting that is one of some texts."""
     expected = f"one of: {', '.join(choices)}"
     return _setting(default, lambda value: value in choices, expected, choices)
 
 
-# A path would let whoever writes an experiment choose the file that is run.
+# No path: it would let the author of an experiment choose the file that is run.
 _PROGRAM = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.-]*")
 
 
 def name_or_program(default: str, choices: Collection[str], taken: Collection[str]) -> Any:
-    """A setting that is one of some texts, or any other name of a program but those `taken`."""
+    """Declare a setting for a text or a program.
+
+    The value is one of some texts, or any other name of a program that is not among `taken`.
+    """
     expected = (
         f"one of: {', '.join(choices)}, or the name of an executable on PATH: letters, digits, "
         "'_', '.' and '-', no folders"
@@ -73,12 +82,15 @@ def name_or_program(default: str, choices: Collection[str], taken: Collection[st
 
 
 def positive(default: float) -> Any:
-    """A finite number above zero."""
+    """Declare a finite number above zero."""
     return _setting(default, lambda value: 0 < value < math.inf, "a number above 0")
 
 
 def within(default: float, least: float, most: float, ends: bool = True) -> Any:
-    """A number in a range, with its ends or without."""
+    """Declare a number in a range.
+
+    The ends of the range count unless `ends` is False.
+    """
 
     def inside(value: Any) -> bool:
         return least <= value <= most and (ends or least < value < most)  # NaN is not
@@ -87,7 +99,7 @@ def within(default: float, least: float, most: float, ends: bool = True) -> Any:
 
 
 def whole(default: int, least: int, most: int) -> Any:
-    """A whole number in a range."""
+    """Declare a whole number in a range."""
 
     def inside(value: Any) -> bool:
         return isinstance(value, int) and not isinstance(value, bool) and least <= value <= most
@@ -100,28 +112,34 @@ def whole(default: int, least: int, most: int) -> Any:
 # `equal` comes first: it is the default of the setting `options`.
 OPTION_SETS = ("equal", "default", "tuned")
 
-# Of the set `equal`: a thousandth of what counts as arriving (`study.tolerances.ARRIVES`), and what
-# qpbenchmark asks for as high accuracy.
+# The tolerances of the set `equal`: a thousandth of the distance that counts as arriving
+# (`study.tolerances.ARRIVES`). qpbenchmark asks for the same as high accuracy.
 FEASIBILITY = OPTIMALITY = 1e-9
 
 
-# of an engine's options, by its own names
+# the values of an engine's options, by its own names
 OptionValues = dict[str, Any]
 
 
 class Options(NamedTuple):
-    """An engine's options, by its own names; a dot leads into a table of options."""
+    """An engine's options, by its own names.
+
+    A dot in a name leads into a table of options.
+    """
 
     feasibility: tuple[str, ...] = ()  # tolerances on equations
     optimality: tuple[str, ...] = ()
     iterations: str = ""  # the limit of iterations
     always: Mapping[str, Any] = MappingProxyType({})  # in every set
     why: str = ""  # of `always`
-    tuned: Mapping[str, Any] = MappingProxyType({})  # what the makers advise, beside `always`
+    tuned: Mapping[str, Any] = MappingProxyType({})  # the makers' advice, beside `always`
     source: str = ""  # of `tuned`
 
     def of(self, name: str, tol: float = 0.0, max_iter: int = 0) -> OptionValues:
-        """The options of a set; a tolerance or a number of iterations other than 0 replaces its."""
+        """The options of a set.
+
+        `tol` and `max_iter`, if not 0, replace the set's tolerances and limit of iterations.
+        """
         values = dict(self.always)
         if name == "equal":
             values |= dict.fromkeys(self.optimality, OPTIMALITY)
@@ -136,36 +154,48 @@ class Options(NamedTuple):
 
 
 class Keywords(NamedTuple):
-    """What an executable calls its options; without a name it is asked for nothing."""
+    """The names that an executable gives its options.
+
+    An option without a name is not passed on.
+    """
 
     options: Options = Options()
     gap: str = ""  # relative, of branch and bound
     seconds: str = ""
 
     def until(self, seconds: float) -> OptionValues:
-        """The time limit as an option, rounded down to milliseconds."""
+        """The time limit as an option.
+
+        It is rounded down to milliseconds.
+        """
         limit = math.floor(1000 * seconds) / 1000
         return {self.seconds: limit} if self.seconds and limit > 0 else {}
 
 
 def option_set() -> Any:
-    """The setting `options`."""
+    """Declare the setting `options`."""
     return one_of(OPTION_SETS[0], OPTION_SETS)
 
 
 def tolerance() -> Any:
-    """The setting `tol`, 0 for that of the engine's options."""
+    """Declare the setting `tol`.
+
+    0 stands for the tolerance of the engine's options.
+    """
     expected = "0, or a number from 1e-14 to 0.01"
     return _setting(0.0, lambda value: value == 0 or 1e-14 <= value <= 1e-2, expected)
 
 
 def iterations() -> Any:
-    """The setting `max_iter`, 0 for that of the engine's options."""
+    """Declare the setting `max_iter`.
+
+    0 stands for the limit of the engine's options.
+    """
     return whole(0, 0, 10**9)
 
 
 def nested(options: Mapping[str, Any]) -> dict[str, Any]:
-    """Options whose names lead into tables, as tables."""
+    """Options as tables, split at the dots of names."""
     tables: dict[str, Any] = {}
     for name, value in options.items():
         table, dot, inner = name.partition(".")

@@ -1,4 +1,4 @@
-"""What the statuses of engines claim."""
+"""Statuses of engines, and the claims that they make."""
 
 from __future__ import annotations
 
@@ -7,12 +7,14 @@ from dubins_study.study.words import Claim
 # By the names of engines: each claim, and the statuses that make it. The names `casadi`, `cvxpy`,
 # `pyomo` and `ampl` are those of interfaces with statuses of their own.
 #
-# `optimal`, `local`: solved, to the tolerances that were asked for. `feasible`: a point, and no
-# more. `infeasible`: no point exists. `locally infeasible`: none near the point at which a local
-# engine ended. `limit`: a limit ended the run, whatever the engine says of its point by then. What
-# is not named is `failed`: also a problem
-# that is solved, or proved infeasible, to less than was asked ("almost", "close to"), and one that
-# is called unbounded or dual infeasible, as no problem here is.
+# `optimal`, `local`: solved, to the tolerances that were asked for.
+# `feasible`: a point, and no more.
+# `infeasible`: no point exists.
+# `locally infeasible`: no point exists near the one at which a local engine ended.
+# `limit`: a limit ended the run, whatever the engine reports of its point.
+# A status that is not listed is `failed`. So are a problem that is solved, or proved infeasible, to
+# less than was asked ("almost", "close to"), and one that is called unbounded or dual infeasible:
+# no problem here is either of the two.
 STATUSES: dict[str, dict[str, tuple[str, ...]]] = {
     # scipy/optimize, slsqp: 99 is a stop by the callback; 4, an infeasible linearisation, is no
     # claim about the problem
@@ -28,7 +30,7 @@ STATUSES: dict[str, dict[str, tuple[str, ...]]] = {
     # casadi's word of an ending, where the engine's own is not named
     "casadi": {"local": ("SOLVER_RET_SUCCESS",), "limit": ("SOLVER_RET_LIMITED",)},
     "ipopt": {
-        # the acceptable level is its makers' second accuracy, 1e-6: what arriving needs
+        # the acceptable level is its makers' second accuracy, 1e-6, which is enough to arrive
         "local": ("Solve_Succeeded", "Solved_To_Acceptable_Level"),
         "feasible": ("Feasible_Point_Found",),
         "locally infeasible": ("Infeasible_Problem_Detected",),
@@ -37,7 +39,7 @@ STATUSES: dict[str, dict[str, tuple[str, ...]]] = {
             *("Maximum_WallTime_Exceeded", "User_Requested_Stop"),
         ),
     },
-    # says both how it stopped and what the point is
+    # its status tells both how it stopped and the kind of point
     "uno": {
         "local": ("Converged with feasible KKT point",),
         "feasible": (
@@ -52,7 +54,7 @@ STATUSES: dict[str, dict[str, tuple[str, ...]]] = {
         "locally infeasible": ("INFEASIBLE_STATIONARY_POINT",),
         "limit": ("ITERATION_LIMIT", "TIME_LIMIT"),
     },
-    "fatrop": {"failed": ("1",)},  # of every kind; 0 is a success
+    "fatrop": {"failed": ("1",)},  # failures of every kind; 0 is a success
     "alpaqa": {},
     # its node is Ipopt
     "bonmin": {"locally infeasible": ("INFEASIBLE",), "limit": ("LIMIT_EXCEEDED",)},
@@ -64,7 +66,7 @@ STATUSES: dict[str, dict[str, tuple[str, ...]]] = {
         "limit": ("iteration limit", "time limit"),
         "failed": ("deadpoint", "unbounded"),
     },
-    # its last words
+    # the last line that it prints
     "apopt": {
         "local": ("Successful solution",),
         "locally infeasible": ("No feasible solution",),
@@ -168,7 +170,7 @@ STATUSES: dict[str, dict[str, tuple[str, ...]]] = {
         "infeasible": ("ROUTING_INFEASIBLE",),
         "limit": ("ROUTING_FAIL_TIMEOUT",),
     },
-    # of a problem that it calls infeasible it may give the point that is nearest to feasible
+    # for a problem that it calls infeasible it may return the point that is nearest to feasible
     "proxqp": {
         "optimal": ("PROXQP_SOLVED",),
         "infeasible": ("PROXQP_PRIMAL_INFEASIBLE", "PROXQP_SOLVED_CLOSEST_PRIMAL_FEASIBLE"),
@@ -193,7 +195,10 @@ STATUSES |= dict.fromkeys(("sqpmethod", "qrsqp"), STATUSES["ipopt"])
 
 
 def claim_of(engine: str, status: str, unnamed: Claim = Claim.FAILED) -> Claim:
-    """The claim of an engine's status, by the engine's name in `STATUSES`."""
+    """The claim that an engine's status makes.
+
+    `engine` is a name in `STATUSES`. A status that is not listed there makes the claim `unnamed`.
+    """
     for claim, statuses in STATUSES[engine].items():
         if status in statuses:
             return Claim(claim)

@@ -1,1 +1,4 @@
-"""`convex`: frozen QPs and SOCPs of routes, put to engines by their own interface or by cvxpy."""
+"""`convex`: frozen QPs and SOCPs of routes.
+
+Engines get them by their own interface or by cvxpy.
+"""

@@ -1,7 +1,8 @@
-"""Engines of convex problems: by their own interface, and through cvxpy, with the same options.
+"""Engines of convex problems: adapters and a table.
 
-Options are those that the maker names for accuracy, with the absolute tolerance asked for and no
-relative one; everything else is the maker's default.
+Each engine is called by its own interface or through cvxpy, with the same options. The options are
+those that the maker names for accuracy: the absolute tolerance asked for, and no relative one.
+Everything else is the maker's default.
 """
 
 from __future__ import annotations
@@ -31,15 +32,21 @@ from dubins_study.study.words import Claim
 
 
 class Ask(NamedTuple):
-    """What is asked of an engine: an absolute tolerance, and an end after some seconds."""
+    """The request to an engine.
+
+    It has an absolute tolerance, and the seconds after which the engine ends.
+    """
 
     tolerance: float
     seconds: float
-    tuned: bool = False  # whether by the options that its makers advise
+    tuned: bool = False  # whether with the options that its makers advise
 
 
 class Reply(NamedTuple):
-    """An engine's point, if it gives one, what it claims, its own status, and its iterations."""
+    """The reply of an engine.
+
+    It has the engine's point, if there is one, its claim, its own status, and its iterations.
+    """
 
     point: Point | None
     claim: Claim
@@ -48,7 +55,11 @@ class Reply(NamedTuple):
 
 
 class Ended(NamedTuple):
-    """What a library returned, which has its status, with the point in it and its iterations."""
+    """The result of a library's call.
+
+    `result` is the library's own object, which holds the status. Point and iterations are read from
+    it.
+    """
 
     result: Any
     point: Point | None = None
@@ -56,7 +67,10 @@ class Ended(NamedTuple):
 
 
 class NotSolvedError(Exception):
-    """The interface returned nothing of the engine's; the message is its own."""
+    """The interface returned nothing from the engine.
+
+    The message is the interface's own.
+    """
 
 
 # a problem, prepared: from options by their names to the end of a run
@@ -64,7 +78,11 @@ Prepared = Callable[[OptionValues], Ended]
 
 
 class Conic(NamedTuple):
-    """A x + s = b with s in zeros, then numbers of at least 0, then cones; P its quadratic term."""
+    """A problem in the form of conic engines.
+
+    A x + s = b. The first `zeros` of s are zero, the next `positive` are at least 0, and the rest
+    lie in cones. P is the quadratic term.
+    """
 
     P: Any
     A: Any
@@ -75,7 +93,10 @@ class Conic(NamedTuple):
 
 
 def conic(problem: Problem) -> Conic:
-    """The problem in the form of conic engines; each finite end is a row."""
+    """The problem in the form of conic engines.
+
+    Each finite end of a range becomes a row.
+    """
     equal, m, n = problem.equal, problem.l.size, problem.q.size
     upper, lower = ~equal & np.isfinite(problem.u), ~equal & np.isfinite(problem.l)
     unit = eye_array(n)
@@ -108,7 +129,10 @@ def _quadratic(problem: Problem) -> Any:
 
 
 def _boxed(problem: Problem) -> tuple[Any, FloatArray, FloatArray]:
-    """All rows and, behind them, the variables: matrix, lower and upper ends."""
+    """All rows, followed by the variables' bounds.
+
+    Returns the matrix, the lower ends and the upper ends.
+    """
     A = csc_matrix(vstack((problem.A, eye_array(problem.q.size))))
     return A, np.concatenate((problem.l, problem.lb)), np.concatenate((problem.u, problem.ub))
 
@@ -124,7 +148,10 @@ def _of_box(problem: Problem, x: Any, multipliers: Any) -> Point:
 
 
 def _rows(problem: Problem, equations: Any, others: Any) -> FloatArray:
-    """The multipliers of the rows from those of the equations and those of the others."""
+    """The multipliers of all rows.
+
+    They are put together from those of the equations and those of the other rows.
+    """
     y = np.zeros(problem.l.size)
     y[problem.equal] = equations
     y[~problem.equal] = others
@@ -257,7 +284,10 @@ def qpalm(problem: Problem) -> Prepared:
 
 
 def ecos(problem: Problem) -> Prepared:
-    """The quadratic term becomes a cone: sum p x^2 <= 2 v, with v in its place in the objective."""
+    """The problem for ECOS, its quadratic term a cone.
+
+    The cone is sum p x^2 <= 2 v. The variable v replaces the term in the objective.
+    """
     import ecos as library
 
     form = conic(problem)
@@ -288,7 +318,7 @@ def ecos(problem: Problem) -> Prepared:
 
 
 def daqp(problem: Problem) -> Prepared:
-    """The matrices are dense."""
+    """The problem for DAQP, with dense matrices."""
     import daqp as library
 
     n, P, A = problem.q.size, np.diag(problem.p), problem.A.toarray()
@@ -306,7 +336,10 @@ def daqp(problem: Problem) -> Prepared:
 
 
 def through_cvxpy(engine: str, problem: Problem) -> Prepared:
-    """The problem stated in cvxpy, as a function that compiles and solves it."""
+    """The problem stated in cvxpy.
+
+    Returns a function that compiles and solves it.
+    """
     import cvxpy as cp
 
     form = conic(problem)
@@ -326,7 +359,10 @@ def through_cvxpy(engine: str, problem: Problem) -> Prepared:
     stated = cp.Problem(cp.Minimize(length), [*rows, *cones])
 
     def solve(options: OptionValues) -> Ended:
-        """As `stated.solve`, which does not tell the engine's own status."""
+        """Solve as `stated.solve` does.
+
+        That method does not return the engine's own status.
+        """
         data, chain, inverse = stated.get_problem_data(engine.upper(), solver_opts=options)
         try:
             result = chain.solve_via_data(stated, data, solver_opts=options)
@@ -347,23 +383,26 @@ def through_cvxpy(engine: str, problem: Problem) -> Prepared:
 
 
 class Engine(NamedTuple):
-    """A library; cvxpy takes its options under the same names."""
+    """A library of convex optimisation.
+
+    cvxpy takes its options under the same names.
+    """
 
     label: str  # its name as its makers write it
     package: str
     own: Callable[[Problem], Prepared]  # its adapter by its own interface
-    # the status of what it returns, by its own interface or to cvxpy
+    # reads the status of its result, whether returned by its own interface or to cvxpy
     status: Callable[[Any], Any]
     tolerances: tuple[str, ...]
     zeros: tuple[str, ...] = ()  # relative tolerances
     seconds: str = ""  # the limit of time, where there is one
     others: Mapping[str, Any] = MappingProxyType({})
     cones: bool = False
-    least: float = 0.0  # tolerance that it takes
-    tuned: Mapping[str, Any] = MappingProxyType({})  # what its makers advise, beside the rest
+    least: float = 0.0  # smallest tolerance that it takes
+    tuned: Mapping[str, Any] = MappingProxyType({})  # its makers' advice, beside the rest
 
     def options(self, ask: Ask) -> OptionValues:
-        """Its options by their names."""
+        """The engine's options, by their names."""
         values = dict.fromkeys(self.tolerances, max(ask.tolerance, self.least))
         values |= dict.fromkeys(self.zeros, 0.0) | dict(self.others)
         if ask.tuned:
@@ -375,7 +414,7 @@ _MANY = 10**7  # iterations: the time limit ends first
 _INFO_STATUS = attrgetter("info.status")
 _INFO_STATUS_NAME = attrgetter("info.status.name")
 
-# Where cvxpy has defaults of its own, the maker's stand here.
+# Where cvxpy has other defaults than the maker, the maker's are used.
 ENGINES = {
     "piqp": Engine(
         "PIQP",
@@ -434,8 +473,8 @@ ENGINES = {
         _INFO_STATUS_NAME,
         tolerances=("eps_abs", "eps_duality_gap_abs"),
         zeros=("eps_rel", "eps_duality_gap_rel"),
-        # infeasibility to less than is asked of solutions (with the default, 1e-4, it denies some),
-        # and the gap, which it does not look at otherwise
+        # The tolerances on infeasibility are smaller than those on solutions: with the default,
+        # 1e-4, it calls some feasible problems infeasible. The gap is checked on request only.
         tuned={"eps_primal_inf": 1e-12, "eps_dual_inf": 1e-12, "check_duality_gap": True},
     ),
     "qpalm": Engine(
@@ -470,7 +509,10 @@ ENGINES = {
 
 
 def prepare(engine: str, interface: str, problem: Problem) -> Callable[[Ask], Reply]:
-    """The problem in an interface's form, as a function that solves it."""
+    """The function that solves a problem by an interface.
+
+    The problem is translated into the interface's form beforehand.
+    """
     table = ENGINES[engine]
     if problem.cones.size and not table.cones:
         raise ProblemError(f"{table.label} takes no cones; expected a QP")

@@ -1,4 +1,7 @@
-"""`convex`: a frozen QP or SOCP of a route, put to one engine through one interface."""
+"""`convex`: one frozen QP or SOCP of a route.
+
+It is put to one engine through one interface.
+"""
 
 from __future__ import annotations
 
@@ -20,16 +23,17 @@ OPTIONS = ("equal", "tuned")
 
 @dataclass(frozen=True)
 class Convex(Solver):
-    """The frozen convex problem that a route's label names, such as `qp-50-random-6-0`.
+    """The frozen convex problem of a route.
 
-    The route is the one that the problem was frozen from. The check judges the engine's primal and
-    dual point, not a path (`study.convex.proof`).
+    The route's label names the problem, such as `qp-50-random-6-0`. The problem was frozen from
+    this route. The check judges the engine's primal and dual point, not a path
+    (`study.convex.proof`).
 
     Args:
         engine: piqp, clarabel, osqp, scs, highs, proxqp, qpalm, ecos or daqp.
         interface: `own`, the library's own, or `cvxpy`.
         tolerance: absolute tolerance that the engine is asked for; the relative one is zero.
-        options: `equal`, or `tuned`: what the makers of osqp and proxqp advise (docs/convex.md).
+        options: `equal`, or `tuned`, as the makers of osqp and proxqp advise (docs/convex.md).
     """
 
     engine: str = one_of("piqp", tuple(ENGINES))
@@ -72,5 +76,8 @@ class Convex(Solver):
 
 @cache
 def _load(engine: str, interface: str) -> None:
-    """Import the libraries and solve a trivial problem, so that no question pays for it."""
+    """Import the libraries and solve a trivial problem.
+
+    No question then pays for the imports.
+    """
     prepare(engine, interface, posed("trivial"))(Ask(1e-3, 10.0))

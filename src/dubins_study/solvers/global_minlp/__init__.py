@@ -1,1 +1,4 @@
-"""The shortest path proven by a global solver: (4.12), or a disjunction of words."""
+"""Global solvers: (4.12), or a disjunction of words.
+
+They prove a bound on the shortest length.
+"""

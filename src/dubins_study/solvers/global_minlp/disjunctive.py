@@ -1,7 +1,7 @@
-"""The shortest path as a disjunction of words, solved to proven global optimality.
+"""`disjunctive`: the shortest path as a disjunction of words.
 
-Branch and bound proves that no path of any word is shorter than its bound; its point, which meets
-the target only to a tolerance, is polished.
+Branch and bound proves that no path of any word is shorter than its bound. Its point meets the
+target only to a tolerance, so the point is polished.
 """
 
 from __future__ import annotations
@@ -41,21 +41,21 @@ from dubins_study.study.arrays import FloatArray
 from dubins_study.study.path import Path
 from dubins_study.study.words import CLOSED, FREE_ORDER, IN_ORDER, PROVEN, TURN, Claim, Order
 
-# The engine leaves this share of the gap for its tolerance on constraints, which counts as well.
+# The engine gets this share of the gap; its tolerance on constraints counts as well.
 _SHARE = 0.1
 
-# Where the engine has no point, or fails, it runs again with a tolerance so many times larger.
+# If the engine has no point or fails, it runs again with a tolerance larger by this factor.
 _LOOSER = 100
 
-# A point that misses by at most so many tolerances counts as feasible: each of the equations from
+# A point that misses by at most this many tolerances counts as feasible: each of the equations from
 # an arc to its end may be off by one tolerance.
 _SLACK = 10
 
-# radii of a straight; for farther targets the words' lengths differ by less than the tolerances:
-# bounds of SCIP's above the shortest length were seen from 1e6 radii on, none up to 1e5
+# Radii of a straight. For farther targets the words' lengths differ by less than the tolerances.
+# Bounds of SCIP above the shortest length were seen from 1e6 radii on, none up to 1e5.
 _PROVABLE = 1e5
 
-# Via points in any order: a model of twelve takes seconds to state, and of five none was solved.
+# Via points in any order. A model of twelve takes seconds to state; no model of five was solved.
 _MOST_VIA = 8
 
 
@@ -70,7 +70,10 @@ class PosedDisjunction(NamedTuple):
 
 
 class Point(NamedTuple):
-    """The words that an engine has chosen, leg by leg, and the lengths (radii) of their pieces."""
+    """An engine's choice of words and lengths.
+
+    `words` and `pieces` are leg by leg; a piece's length is in radii.
+    """
 
     words: list[str]
     pieces: list[FloatArray]
@@ -82,7 +85,10 @@ class Point(NamedTuple):
 
 
 class Met(NamedTuple):
-    """A path made to meet the points: its length and miss (radii), and whether that is rounding."""
+    """A path that was moved to meet the points.
+
+    `length` and `miss` are in radii. `meets` says whether the miss is only rounding.
+    """
 
     path: Path
     length: float
@@ -92,36 +98,39 @@ class Met(NamedTuple):
 
 @dataclass(frozen=True)
 class Disjunctive(EngineSolver):
-    """One disjunct for each word of each leg, proven by an engine's branch and bound.
+    """One disjunct for each word of each leg.
+
+    An engine's branch and bound proves the answer.
 
     Args:
-        engine: `scip`, `maingo`, or the name of an executable on PATH that reads NL files; such a
-            one tells no bound, so that its answers are not called optimal.
+        engine: `scip`, `maingo`, or the name of an executable on PATH that reads NL files. An
+            executable reports no bound, so that its answers are not called optimal.
         transformation: of the disjunctions into linear constraints: `bigm` or `hull`.
         quadrants: whether sines and cosines are of a quarter turn at most; without, they are of
-            arcs up to 2 pi: the obvious model.
+            arcs up to 2 pi, as in the obvious model.
         gap: the largest relative difference of path and bound that counts as proven.
         feastol: the engine's tolerance on constraints (1e-6 by their own defaults).
-        emphasis: SCIP's: `lean`, its bare spatial branch and bound, or `default`, with heuristics
-            and cutting planes, which take some seventy times as long on the paper's problems, and
-            with presolving and propagation, which work with tolerances of their own and now and
-            then cut off the optimum (see docs/decisions.md). MAiNGO runs with its defaults.
+        emphasis: SCIP's: `lean`, its bare spatial branch and bound, or `default`. The latter has
+            heuristics and cutting planes, which take some seventy times as long on the paper's
+            problems. It also has presolving and propagation, which work with tolerances of their
+            own and now and then cut off the optimum (see docs/decisions.md). MAiNGO runs with its
+            defaults.
         presolve: whether words that cannot exist are left out (`solvers.presolve`): the bound then
             holds for the others. Only of one leg with a free final heading.
 
-    A feasible point of the engine's may miss the target by the tolerance. Near the front of a
-    turning circle that buys up to a full turn, and no polishing closes the miss: the point is then
-    returned as it is, claimed feasible and not optimal, and the bound, though low, still holds.
-    Of a tour every leg chooses among the steps between two points too, for up to 8 via points.
-    `lower_bound` is a bound for the branch that is asked, the engine's less its tolerance.
+    A feasible point of the engine may miss the target by the tolerance. Near the front of a turning
+    circle such a miss saves up to a full turn, and no polishing closes it. The point is then
+    returned as it is, claimed feasible and not optimal. The bound is low there, but still holds. In
+    a tour every leg also chooses among the steps between two points, for up to 8 via points.
+    `lower_bound` is the engine's bound for the branch that is asked, less its tolerance.
     """
 
     engine: str = engine_or_program("scip", MINLP_ENGINES)
     transformation: str = one_of("bigm", TRANSFORMATIONS)
     quadrants: bool = True
-    # what is closed to no more than a hundredth proves nothing
+    # a gap of more than a hundredth proves nothing
     gap: float = within(1e-6, 1e-12, 1e-2)
-    # engines take up to 1e-3, and what they call infeasible is asked again at 100 times ours
+    # engines take up to 1e-3; a problem that they call infeasible is asked again at 100 times this
     feastol: float = within(1e-8, 1e-12, 1e-5)
     emphasis: str = one_of("lean", ("lean", "default"))
     presolve: bool = False
@@ -171,8 +180,8 @@ class Disjunctive(EngineSolver):
         feastol = self.feastol
         runs = [self._run(model, feastol, limit)]
         if runs[0].claim in (Claim.INFEASIBLE, Claim.FAILED):
-            # A looser tolerance admits more: what is infeasible to it as well is so more surely,
-            # and linear programs that the engine fails to solve are solved.
+            # A looser tolerance admits more points: a problem that is infeasible to it too is more
+            # surely infeasible. Linear programs that the engine failed to solve are then solved.
             feastol *= _LOOSER
             runs.append(self._run(model, feastol, until - perf_counter()))
         solution = self._answer(model, runs[-1], feastol)
@@ -211,7 +220,7 @@ class Disjunctive(EngineSolver):
             known = replace(known, lower_bound=None)
             branch = model.question.branch
             if branch == "best":
-                # Some word reaches every target, so the engine has cut it off.
+                # Every target is reached by some word, so the engine has wrongly cut it off.
                 return replace(known, claim=Claim.FAILED, message="no word left")
             return replace(known, message=f"{branch} does not reach the target")
         words, met = _met(model, run.point)
@@ -226,7 +235,10 @@ class Disjunctive(EngineSolver):
         )
 
     def _claim(self, stopped: bool, feastol: float, bound: float, met: Met) -> tuple[Claim, str]:
-        """The claim for a polished path, and why; the engine's is for its own point only."""
+        """The claim for a polished path, and its reason.
+
+        The engine's own claim holds for its own point only.
+        """
         if not met.meets:
             close = met.miss <= _SLACK * feastol
             message = f"meets the points only to {met.miss:.1e} radii"
@@ -239,7 +251,10 @@ class Disjunctive(EngineSolver):
 
 
 def _unproven(solution: Solution) -> Solution:
-    """A solution to a question whose points are too far apart for the engine's tolerances."""
+    """The solution without its proof.
+
+    The points are too far apart for the engine's tolerances.
+    """
     weaker = {Claim.OPTIMAL: Claim.FEASIBLE, Claim.INFEASIBLE: Claim.FAILED}
     return replace(
         solution,
@@ -277,7 +292,10 @@ def _point(model: PosedDisjunction, x: FloatArray) -> Point:
 
 
 def _met(model: PosedDisjunction, point: Point) -> tuple[str, Met]:
-    """The point made to meet the points of the course, and its words."""
+    """The words and the polished path of a point.
+
+    The engine's point is moved until it meets the points of the course.
+    """
     scenario = model.question.scenario
     course = replace(model.course, steps=point.steps)
     if course.target is not None:

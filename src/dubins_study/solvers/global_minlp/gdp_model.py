@@ -1,6 +1,7 @@
-"""The shortest path or route as a disjunctive program (docs/formulations/disjunction.md).
+"""The shortest path or route as a disjunctive program.
 
-Everything in body coordinates in units of the radius.
+The model: docs/formulations/disjunction.md. Everything is in body coordinates in units of the
+radius.
 """
 
 from __future__ import annotations
@@ -23,7 +24,7 @@ _OF_LEGS = POSE_BRANCHES[1:]  # words of a leg to a given heading; `WORDS` are t
 _THREE_ARCS = 4.0  # radii; points so far apart are joined by no shortest path of three arcs
 TRANSFORMATIONS = ("bigm", "hull")
 _QUARTER = TWO_PI / 4
-# binaries that say how many whole turns a heading is off, from _FEWEST_TURNS on
+# binaries for the number of whole turns by which a heading is off, from _FEWEST_TURNS on
 _TURN_DIGITS, _FEWEST_TURNS = (1, 2, 4), -3
 
 # of each leg the steps (radii) that it may take, by the points at both ends; 0 is the start
@@ -31,7 +32,11 @@ Steps = list[dict[tuple[int, int], FloatArray]]
 
 
 def steps_in_any_order(course: Course, with_target: bool) -> Steps:
-    """From any point of the course to any other; with a target the last one is passed last."""
+    """Each leg's possible steps if the order is free.
+
+    They lead from any point where the leg may begin to any other where it may end. With a target
+    the last point is passed last.
+    """
     points = np.vstack((np.zeros(2), np.cumsum(course.steps, axis=0)))
     last = course.legs
     via = list(range(1, last + 1 - with_target))
@@ -49,13 +54,14 @@ def gdp_model(
     quadrants: bool = True,
     steps: Steps | None = None,
 ) -> Any:
-    """The shortest path through the points of a course, in Pyomo.GDP, not transformed.
+    """A course's shortest path in Pyomo.GDP, not transformed.
 
-    Of each leg exactly one word holds; `words` are those of a last leg to a free final heading. z
-    are the angles `alpha`, `gamma`, `beta` and `mu` of a leg, c and s their cosines and sines; an
-    angle is q past the beginning of its quadrant. w is what is not turned in `alpha` and `gamma`.
-    Without `quadrants` sines and cosines are of the angles themselves. `steps` are those that legs
-    may take, if not those of the course; exactly one holds of each leg.
+    Exactly one word holds for each leg. `words` are those of a last leg to a free final heading. z
+    are the angles `alpha`, `gamma`, `beta` and `mu` of a leg; c and s are their cosines and sines.
+    An angle is q past the beginning of its quadrant. w is the rest of a leg's length beside `alpha`
+    and `gamma`. Without `quadrants` sines and cosines are of the angles themselves. `steps` are the
+    steps that legs may take, if they are not those of the course. Exactly one step holds for each
+    leg.
     """
     from pyomo.environ import Binary, ConcreteModel, Constraint, Objective, Var, cos, sin
     from pyomo.gdp import Disjunct, Disjunction
@@ -115,10 +121,10 @@ def gdp_model(
 
 
 def _add_steps(m: Any, steps: Steps, away: list[list[float]]) -> None:
-    """Variables, constraints and disjuncts that choose the step of each leg.
+    """Add the choice of each leg's step.
 
-    A leg sees its step `along` and `across` its direction. It begins where the one before ends, and
-    is no shorter than its step.
+    The choice needs variables, constraints and disjuncts. A leg sees its step `along` and `across`
+    its direction. It begins where the one before ends, and is no shorter than its step.
     """
     from pyomo.environ import Constraint, Var
     from pyomo.gdp import Disjunct, Disjunction
@@ -161,7 +167,10 @@ def _add_steps(m: Any, steps: Steps, away: list[list[float]]) -> None:
 
 
 def _add_quadrants(m: Any, ranges: dict[tuple[int, str], tuple[float, float]]) -> None:
-    """Variables, constraints and disjuncts that tie the angles to their sines and cosines."""
+    """Tie the angles to their sines and cosines.
+
+    This adds variables, constraints and one disjunct for each quadrant.
+    """
     from pyomo.environ import Constraint, Var, cos, sin
     from pyomo.gdp import Disjunct, Disjunction
 
@@ -182,7 +191,10 @@ def _add_quadrants(m: Any, ranges: dict[tuple[int, str], tuple[float, float]]) -
 
 
 def _quadrant(disjunct: Any, leg: int, name: str, k: int) -> None:
-    """Constraints of an angle in quadrant k: turning by pi / 2 takes (cos, sin) to (-sin, cos)."""
+    """Constraints of an angle in quadrant k.
+
+    Turning by pi / 2 takes (cos, sin) to (-sin, cos).
+    """
     from pyomo.environ import Constraint
 
     m, key = disjunct.model(), (leg, name)
@@ -195,7 +207,10 @@ def _quadrant(disjunct: Any, leg: int, name: str, k: int) -> None:
 
 
 def _word(disjunct: Any, leg: int, word: str, step: FloatArray | None) -> None:
-    """Constraints of one word of a leg over a step, or over that of `_add_steps`."""
+    """Constraints of one word of a leg.
+
+    The leg goes over `step`, or over the step that `_add_steps` chooses if it is None.
+    """
     from pyomo.environ import Constraint
 
     m = disjunct.model()
@@ -257,7 +272,10 @@ def pieces(word: str, alpha: float, gamma: float, w: float, beta: float) -> Floa
 
 
 def transformed(model: Any, transformation: str = "bigm") -> Any:
-    """The model as a mixed-integer nonlinear program, in place."""
+    """Transform the model into a mixed-integer nonlinear program.
+
+    The model itself is changed.
+    """
     from pyomo.environ import TransformationFactory
 
     TransformationFactory(f"gdp.{transformation}").apply_to(model)
@@ -265,16 +283,20 @@ def transformed(model: Any, transformation: str = "bigm") -> Any:
 
 
 class Translated(NamedTuple):
-    """A program, and the place of each of the model's variables in it, by Pyomo's `id` of it."""
+    """A program and the places of Pyomo's variables.
+
+    `place` maps the `id` of a variable of the model to its place in the program.
+    """
 
     program: MixedProgram
     place: dict[int, int]
 
 
 def translated(model: Any) -> Translated:
-    """The program of a Pyomo model of equations, inequalities and one objective to minimise.
+    """Translate a Pyomo model into a program.
 
-    Fixed variables stay variables, with bounds that meet.
+    The model has equations, inequalities and one objective to minimise. Fixed variables stay
+    variables, with bounds that meet.
     """
     from pyomo.core.expr.visitor import identify_variables
     from pyomo.environ import Constraint, Objective
@@ -303,12 +325,18 @@ def translated(model: Any) -> Translated:
 
 
 def _limits(lower: float | None, upper: float | None) -> tuple[float, float]:
-    """Pyomo's bounds, of which None is no bound."""
+    """Pyomo's bounds as numbers.
+
+    None is no bound, and becomes an infinite one.
+    """
     return -math.inf if lower is None else lower, math.inf if upper is None else upper
 
 
 def rebuilt(node: Any, variable: Callable[[Any], Any], functions: Functions) -> Any:
-    """A Pyomo expression with the counterparts of its variables, `sin`, `cos`, ... elsewhere."""
+    """A Pyomo expression, rebuilt with other variables.
+
+    `variable` gives the counterpart of a variable, and `functions` has `sin`, `cos` and others.
+    """
     if isinstance(node, (int, float)):
         return node
     if node.is_variable_type():

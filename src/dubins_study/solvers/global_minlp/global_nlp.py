@@ -1,6 +1,7 @@
-"""The paper's model (4.12) with its sines and cosines, solved to proven global optimality.
+"""`global-nlp`: the paper's model (4.12), solved with a proof.
 
-`disjunctive` is stated as an engine likes it; these are the equations as they stand in the paper.
+The equations stand as in the paper, with their sines and cosines. `disjunctive` states the problem
+in a form that suits the engines better.
 """
 
 from __future__ import annotations
@@ -44,7 +45,10 @@ from dubins_study.study.words import BRANCHES, Claim
 
 
 class PosedPrograms(NamedTuple):
-    """A question, translated for `solve`: a program for each case."""
+    """A question, translated for `solve`.
+
+    There is one program for each case.
+    """
 
     leg: PosedLeg
     programs: list[MixedProgram]
@@ -52,7 +56,9 @@ class PosedPrograms(NamedTuple):
 
 @dataclass(frozen=True)
 class GlobalNlp(EngineSolver):
-    """Model (4.12) by an engine that proves a bound, one program for each word or each order.
+    """Model (4.12) by an engine that proves a bound.
+
+    There is one program for each word or each order of turns:
 
         minimise  z1 + z2 + z3  subject to  (4.10), (4.11),  0 <= z1, z2 <= 2 pi,  0 <= z3 <= d + 2
 
@@ -63,9 +69,9 @@ class GlobalNlp(EngineSolver):
         engine: `scip` or `maingo`.
         model: `words` takes one two-variable program per word, `joint` the paper's model unsplit.
         order: of the joint model: `LRS` (the paper's), `RLS` or `both`.
-        heading: whether the final heading z1 - z2 of the joint model is a `variable` with an
-            equation of its own, as theta2 is in the paper, or an `expression` inside its sines and
-            cosines, which makes every engine branch more.
+        heading: the form of the final heading z1 - z2 in the joint model. `variable`: it has an
+            equation of its own, as theta2 has in the paper. `expression`: it stands inside its
+            sines and cosines, which makes every engine branch more.
         gap: relative difference of point and bound at which the engine may stop.
         feastol: the engine's tolerance on the two equations, in radii.
         emphasis: SCIP's `default`, or `lean`, its branch and bound without heuristics, cutting
@@ -76,10 +82,10 @@ class GlobalNlp(EngineSolver):
 
     The claim is the engine's own, of all programs together: `optimal` if each is solved to its
     optimum or proved to have no point. `lower_bound` is the least of the engine's bounds, as the
-    engine gives them, and there is one only if the programs cover the question: the order LRS
-    alone lacks the word RL, so its optimum is a local claim without a bound. Engines work to
-    `feastol`, so that a bound may lie above the shortest length by about as much, or near the
-    front of a turning circle a whole turn below it; the tolerance stands in every row.
+    engine gives them. There is a bound only if the programs cover the question: the order LRS alone
+    lacks the word RL, so its optimum is a local claim without a bound. Engines work to `feastol`,
+    so that a bound may lie above the shortest length by about as much. Near the front of a turning
+    circle it may lie a whole turn below that length. The tolerance stands in every row.
     """
 
     engine: str = one_of("scip", MINLP_ENGINES)
@@ -141,7 +147,10 @@ class GlobalNlp(EngineSolver):
         return self._answer(model.leg, runs, covers)
 
     def _answer(self, leg: PosedLeg, runs: list[Run[FloatArray]], covers: bool) -> Solution:
-        """The best point of all runs, with the claim and the bound of all together."""
+        """The best point of all runs.
+
+        Its claim and its bound are those of all runs together.
+        """
         R = leg.question.scenario.radius
         complete = len(runs) == len(leg.cases)
         bound = min((run.bound for run in runs), default=-math.inf)
@@ -166,7 +175,10 @@ class GlobalNlp(EngineSolver):
 
 
 def _program(case: Case, lifted: bool) -> MixedProgram:
-    """The program of a case; a joint one, if `lifted`, with the final heading in it."""
+    """The program of a case.
+
+    If `lifted`, a joint program has the final heading as a variable.
+    """
     subproblem, target = case.subproblem, case.target
     upper = np.array((TWO_PI, TWO_PI, math.hypot(target.X, target.Y) + 2))
     posed = replace(program(case), upper=upper[subproblem.mask])
@@ -179,7 +191,10 @@ def _program(case: Case, lifted: bool) -> MixedProgram:
 
 @cache
 def _with_heading() -> Expressions:
-    """Model (4.12) in four variables, the last one the final heading; p is the target (X, Y)."""
+    """Model (4.12) in four variables.
+
+    The last variable is the final heading. The parameters p are the target (X, Y).
+    """
     import casadi
 
     x, p = casadi.SX.sym("x", 4), casadi.SX.sym("p", 2)
@@ -202,7 +217,11 @@ def _claim(runs: list[Run[FloatArray]], covers: bool) -> Claim:
 
 
 def _path(leg: PosedLeg, case: Case, z: FloatArray, polish: bool) -> Path:
-    """The path of a point z, shape (3,), in the case's order of turns."""
+    """The path of a point z, shape (3,).
+
+    The order of the turns is that of the case. With `polish` the point is first moved to meet the
+    target, where that is possible.
+    """
     scenario = leg.question.scenario
     if polish:
         turns = z[[1, 0, 2]] if case.subproblem.mirrored else z  # left, right, straight
@@ -214,7 +233,10 @@ def _path(leg: PosedLeg, case: Case, z: FloatArray, polish: bool) -> Path:
 
 
 def _words(name: str, z: FloatArray) -> tuple[str, ...]:
-    """The words that a point's lengths may stand for; first, whose missing length is least."""
+    """The words that a point's lengths may stand for.
+
+    The first one is the word whose missing length is least.
+    """
     if len(name) == 2:
         return (name,)
     missing = sorted(range(3), key=lambda i: float(z[i]))

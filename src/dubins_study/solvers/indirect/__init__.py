@@ -1,1 +1,1 @@
-"""Pontryagin's system solved as equations: shooting."""
+"""Shooting: Pontryagin's system solved as equations."""

@@ -1,10 +1,10 @@
-"""`shooting`: the indirect method, Pontryagin's system (2.3)-(2.15) solved as equations.
+"""`shooting`: Pontryagin's system (2.3)-(2.15) solved as equations.
 
-The system, its structures (Maurer 1976, Numerical solution of singular control problems using
-multiple shooting techniques, JOTA 18), and why plain single shooting cannot work:
-docs/formulations/pontryagin.md. The pieces are integrated in closed form. One arc or one straight
-is either structure with a piece of no length. An extremal is only a candidate, so the claim is
-`local`, and `best` is the shortest one that the guesses lead to.
+This is the indirect method. docs/formulations/pontryagin.md has the system, its structures (Maurer
+1976, Numerical solution of singular control problems using multiple shooting techniques, JOTA 18),
+and the reason why plain single shooting cannot work. The pieces are integrated in closed form. One
+arc or one straight is either structure with a piece of no length. An extremal is only a candidate,
+so the claim is `local`. `best` is the shortest extremal that the guesses lead to.
 """
 
 from __future__ import annotations
@@ -35,14 +35,14 @@ _STEP = 1e-4
 
 
 class _OutOfTimeError(Exception):
-    """The time limit has come while the equations were being solved."""
+    """The time limit came during the solution."""
 
 
 @dataclass(frozen=True)
 class Shooting(Solver):
     """Pontryagin's conditions, solved as equations.
 
-    The initial guess of the costates is that of a path which ends straight with the guess's final
+    The initial guess of the costates belongs to a path that ends straight, with the guess's final
     heading.
 
     Args:
@@ -52,8 +52,8 @@ class Shooting(Solver):
         tol: largest residual of an extremal: the miss in radii, and every costate condition with
             (nu0, nu1, nu2) of length 1.
         max_evaluations: largest number of evaluations of the conditions from one initial guess.
-        options: whose choice the end of MINPACK's iteration is (docs/engines.md): `equal` has
-            steps below 1e-4 `tol`, and `max_evaluations`; `default` and `tuned` MINPACK's own.
+        options: the end of MINPACK's iteration (docs/engines.md): with `equal`, steps below
+            1e-4 `tol` or `max_evaluations`; with `default` and `tuned`, MINPACK's own rule.
         presolve: whether words that cannot exist are left out (`solvers.presolve`).
     """
 
@@ -93,7 +93,10 @@ class Shooting(Solver):
         return searched(model, self.initial_guess, guesses, solve, limit)
 
     def _guesses(self, question: Question, case: Case) -> Iterator[FloatArray]:
-        """Initial guesses: durations (3,) in the order of `one_leg.model`, then costates (4,)."""
+        """Initial guesses of a case.
+
+        A guess has the durations (3,) in the order of `one_leg.model`, then the costates (4,).
+        """
         structure = _structure(case)
         free = list(case.subproblem.free)
         seed = self.seed + question.repeat
@@ -106,7 +109,10 @@ class Shooting(Solver):
     def _from(
         self, prescribed: bool, case: Case, guess: FloatArray, seconds: float
     ) -> EngineResult:
-        """Solve from one initial guess; `prescribed` if the branch prescribes the controls."""
+        """Solve from one initial guess.
+
+        `prescribed` says that the branch prescribes the controls.
+        """
         structure, free = _structure(case), list(case.subproblem.free)
         v = structure.unknowns(guess[3:], guess[free])
         until = perf_counter() + seconds
@@ -115,7 +121,7 @@ class Shooting(Solver):
             evaluations = int(result.nfev)
         except _OutOfTimeError:
             return no_point(3, Claim.LIMIT, self.root, "out of time")
-        # a miss of `tol`, or of what the rounding of a far target leaves
+        # a miss of `tol`, or a miss that the rounding of a far target leaves
         missed = max(self.tol, ROUNDED * structure.scale)
         for candidate in candidates(structure, result.x, self.tol):
             fault = candidate.fault(missed, prescribed)

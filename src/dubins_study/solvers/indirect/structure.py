@@ -1,7 +1,8 @@
-"""Pontryagin's system along two pieces of given controls, in body coordinates at unit radius.
+"""Pontryagin's system along two pieces of given controls.
 
-The costates nu1 and nu2 are constant (2.4), (2.5); for a start at (0, 0, 0) equation (2.6)
-integrates to nu3(t) = nu3(0) + nu1 y(t) - nu2 x(t): all exact on every piece.
+Everything is in body coordinates at unit radius. The costates nu1 and nu2 are constant (2.4),
+(2.5). For a start at (0, 0, 0) equation (2.6) integrates to nu3(t) = nu3(0) + nu1 y(t) - nu2 x(t).
+All of this is exact on every piece.
 """
 
 from __future__ import annotations
@@ -33,7 +34,10 @@ UNKNOWNS = 6  # nu0, nu1, nu2, nu3(0), then the durations of the two pieces
 
 
 class Piece(NamedTuple):
-    """The end of a piece of constant control: x, y, heading, and d(x, y) by each duration."""
+    """The end of a piece of constant control.
+
+    It has x, y and the heading, and the derivatives of (x, y) by each duration.
+    """
 
     x: float
     y: float
@@ -44,9 +48,10 @@ class Piece(NamedTuple):
 
 @dataclass(frozen=True)
 class Structure:
-    """Bang-singular (CS) or bang-bang (CC) controls, and the target.
+    """The controls of two pieces, and the target.
 
-    The first of the turns is +1 or -1, the second 0 or the first's opposite.
+    The controls are bang-singular (CS) or bang-bang (CC). The first of the turns is +1 or -1, the
+    second 0 or the first's opposite.
     """
 
     turns: tuple[float, float]
@@ -55,7 +60,10 @@ class Structure:
 
     @cached_property
     def scale(self) -> float:
-        """Unit (radii) of the end point's residual and of a straight: unknowns of like size."""
+        """Unit (radii) of the end point's residual.
+
+        It is also the unit of a straight, so that the unknowns have similar sizes.
+        """
         return max(1.0, math.hypot(self.X, self.Y))
 
     @property
@@ -68,17 +76,26 @@ class Structure:
         return self.scale if self.singular else 1.0
 
     def unknowns(self, costates: FloatArray, durations: FloatArray) -> FloatArray:
-        """Costates (4,) and durations (2,), in radii, as `residual` takes them."""
+        """The unknowns that `residual` takes.
+
+        `costates` has shape (4,). `durations` (2,) are in radii.
+        """
         return np.concatenate((costates, durations / (1.0, self.unit)))
 
     def consistent(self, nu: tuple[float, float, float]) -> FloatArray:
-        """(nu0, nu1, nu2) scaled to length 1, and the nu3(0) that makes H(0) zero (2.15)."""
+        """Costates that make H(0) zero (2.15).
+
+        (nu0, nu1, nu2) is scaled to length 1, and nu3(0) follows. Returns all four, shape (4,).
+        """
         size = math.hypot(*nu)
         nu0, nu1, nu2 = (value / size for value in nu)
         return np.array((nu0, nu1, nu2, -self.turns[0] * (nu0 + nu1)))
 
     def pieces(self, first: float, second: float) -> tuple[Piece, Piece]:
-        """The states after both pieces; durations in radii, any sign."""
+        """The states after both pieces.
+
+        Durations are in radii, of any sign.
+        """
         u, w = self.turns
         turn = u * first
         s, c = math.sin(turn), math.cos(turn)
@@ -94,12 +111,16 @@ class Structure:
         return switch, Piece(x + dx, y + dy, end, by_first, by_second)
 
     def residual(self, v: FloatArray) -> FloatArray:
-        """The conditions, zero at an extremal; shape (6,) -> (6,).
+        """The conditions, zero at an extremal.
 
-        The end point (2), over `scale`; nu3 = 0 at the switch; then for CC the transversality
-        nu3(tf) = 0, and for CS d(nu3)/dt = 0 at the switch (2.6), which keeps nu3 = 0 up to tf;
-        H(0) = 0 (2.12), and so H = 0 throughout; (nu0, nu1, nu2) of length 1, which admits
-        abnormal extremals (nu0 = 0).
+        Shape (6,) -> (6,), in this order:
+
+        - The end point (2), over `scale`.
+        - nu3 = 0 at the switch.
+        - For CC the transversality nu3(tf) = 0. For CS d(nu3)/dt = 0 at the switch (2.6), which
+          keeps nu3 = 0 up to tf.
+        - H(0) = 0 (2.12), and so H = 0 throughout.
+        - (nu0, nu1, nu2) of length 1, which admits abnormal extremals (nu0 = 0).
         """
         nu0, nu1, nu2, nu3, first, second = v.tolist()
         switch, end = self.pieces(first, second * self.unit)
@@ -139,9 +160,9 @@ class Structure:
         return J
 
     def costates(self, durations: FloatArray) -> FloatArray:
-        """The costates (4,) of given durations (2,), from the conditions, linear in costates.
+        """The costates (4,) of given durations (2,).
 
-        Their sign makes nu0 >= 0.
+        They solve the conditions that are linear in them. Their sign makes nu0 >= 0.
         """
         linear = self.jacobian(self.unknowns(np.zeros(4), durations))[2:5, :4]
         nu: FloatArray = np.linalg.svd(linear)[2][-1]
@@ -152,16 +173,16 @@ class Structure:
         return min(nu, -nu, key=lambda each: self.wrong_sign(each, durations))
 
     def miss(self, durations: FloatArray) -> float:
-        """Distance from the end point to the target in radii."""
+        """Distance (radii) from the end point to the target."""
         _, end = self.pieces(*durations.tolist())
         return math.hypot(end.x - self.X, end.y - self.Y)
 
     def wrong_sign(self, costates: FloatArray, durations: FloatArray) -> float:
-        """The violation of the minimum condition (2.13) on the arcs; zero if it holds.
+        """The violation of the minimum condition (2.13).
 
-        It is the largest u nu3, which must not exceed zero (2.14). By (2.15) u nu3 equals
-        -(nu0 + rho cos(theta - phi)), which is largest at the ends of an arc or at
-        theta = phi + pi.
+        It is zero if the condition holds on the arcs. Otherwise it is the largest u nu3, which must
+        not exceed zero (2.14). By (2.15) u nu3 equals -(nu0 + rho cos(theta - phi)). This is
+        largest at the ends of an arc or at theta = phi + pi.
         """
         nu0, nu1, nu2, _ = costates.tolist()
         away = math.atan2(-nu2, -nu1)  # phi + pi
@@ -179,7 +200,10 @@ class Structure:
 
 
 class Candidate:
-    """Durations (2,) in radii, none negative, that may be those of an extremal."""
+    """Durations (2,) that may be an extremal's.
+
+    They are in radii, none negative.
+    """
 
     def __init__(self, structure: Structure, durations: FloatArray, tol: float) -> None:
         self.durations = durations
@@ -194,7 +218,10 @@ class Candidate:
 
     @property
     def multipliers(self) -> FloatArray | None:
-        """-(nu1, nu2)/nu0, the gradient of the length by the target; None if abnormal."""
+        """The gradient of the length by the target.
+
+        It is -(nu1, nu2)/nu0, or None if the extremal is abnormal.
+        """
         nu0, nu1, nu2, _ = self.costates
         return np.array((-nu1 / nu0, -nu2 / nu0)) if nu0 > _ABNORMAL else None
 
@@ -205,9 +232,10 @@ class Candidate:
         return f"{self.kind}, {normal}{signs}"
 
     def fault(self, allowed: float, prescribed: bool) -> str | None:
-        """The condition that is not met, or None if this is an extremal.
+        """The condition that is not met, or None.
 
-        It may miss by `allowed` radii. If the branch prescribes the controls, (2.14) need not hold.
+        None means that the durations are those of an extremal. The path may miss by `allowed`
+        radii. If the branch prescribes the controls, (2.14) need not hold.
         """
         if not math.isfinite(self.miss):
             return "the iteration left the finite numbers"
@@ -219,10 +247,11 @@ class Candidate:
 
 
 def candidates(structure: Structure, v: FloatArray, tol: float) -> Iterator[Candidate]:
-    """What a solution v, shape (6,), of `Structure.residual` may stand for.
+    """The candidates that a solution v may stand for.
 
-    Full turns are removed from arcs. A piece of no length may come out as a negative one or nearly
-    a full turn, so the path without either piece goes first.
+    v has shape (6,) and solves `Structure.residual`. Full turns are removed from arcs. A piece of
+    no length may come out as a negative one or nearly a full turn, so the path without either piece
+    goes first.
     """
     durations = v[4:] * (1.0, structure.unit)
     for driven in (
@@ -240,9 +269,10 @@ def _forwards(structure: Structure, durations: FloatArray) -> FloatArray:
 
 
 def _without(structure: Structure, durations: FloatArray, missing: int) -> FloatArray:
-    """The durations with one piece removed; its length beyond full turns is added to the other.
+    """The durations with one piece removed.
 
-    Near a piece of no length the end point depends on the sum alone to first order.
+    The removed length, beyond full turns, is added to the other piece. Near a piece of no length
+    the end point depends on the sum alone to first order.
     """
     moved = float(durations[missing])
     if not (structure.singular and missing == 1):

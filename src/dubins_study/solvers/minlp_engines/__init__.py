@@ -1,1 +1,4 @@
-"""One adapter for each engine that solves mixed-integer nonlinear programs and proves a bound."""
+"""Adapters of engines that prove a bound.
+
+Each one is for an engine of mixed-integer nonlinear programs.
+"""

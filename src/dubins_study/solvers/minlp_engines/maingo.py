@@ -1,4 +1,7 @@
-"""MAiNGO, McCormick-based deterministic global optimisation, by its Python interface."""
+"""MAiNGO by its Python interface.
+
+It is a deterministic global optimiser that uses McCormick relaxations.
+"""
 
 from __future__ import annotations
 
@@ -20,7 +23,10 @@ from dubins_study.study.words import Claim
 
 
 def maingo(settings: Settings) -> MinlpCall:
-    """MAiNGO with epsilonR, deltaEq and deltaIneq."""
+    """A call of MAiNGO with the given settings.
+
+    The settings become epsilonR, epsilonA, deltaEq and deltaIneq.
+    """
 
     def run(program: MixedProgram, seconds: float) -> ProvenResult:
         import maingopy
@@ -48,10 +54,11 @@ def maingo(settings: Settings) -> MinlpCall:
 
 
 def _whole_seconds(seconds: float) -> int:
-    """The time limit in MAiNGO's unit, rounded down, so that it ends before the limit.
+    """The time limit in MAiNGO's unit, rounded down.
 
-    With 0 it ends after its first local searches, where most questions take it 0.1 s in all. So the
-    last part of a second is told as a whole one, and what ends after the limit is no answer.
+    MAiNGO then ends before the limit. With 0 it would end after its first local searches, where
+    most questions take it 0.1 s in all. So the last part of a second is passed on as a whole
+    second. An answer after the limit is no answer.
     """
     if 0 < seconds < 1:
         return 1
@@ -81,7 +88,10 @@ def _result(solver: Any, status: str) -> ProvenResult:
 
 @cache
 def _model_class() -> type[Any]:
-    """A class of the package's own kind of model; made when the package is first needed."""
+    """A class of MAiNGO's own kind of model.
+
+    It is made when the package is first needed.
+    """
     import maingopy
 
     class Posed(maingopy.MAiNGOmodel):  # type: ignore[misc]

@@ -1,7 +1,7 @@
-"""A mixed-integer nonlinear program, as every engine of this room takes it.
+"""A mixed-integer nonlinear program for every engine here.
 
-A formulation writes it with whatever variables and functions it is given, so that an engine gets it
-in expressions of its own interface.
+A formulation writes the program with the variables and functions that it is given. Each engine
+therefore gets it in expressions of its own interface.
 """
 
 from __future__ import annotations
@@ -19,7 +19,10 @@ from dubins_study.study.words import Claim
 
 
 class Functions:
-    """The functions of an engine's interface, under the names of `math`; numbers are computed."""
+    """An engine's functions under the names of `math`.
+
+    A function of a number is computed at once, by `math`.
+    """
 
     def __init__(self, interface: Any) -> None:
         self._interface = interface
@@ -33,14 +36,20 @@ class Functions:
 
 
 class Row(NamedTuple):
-    """lower <= body <= upper, in an engine's expressions; bounds may be equal, or infinite."""
+    """A row: lower <= body <= upper.
+
+    The body is in an engine's expressions. Bounds may be equal, or infinite.
+    """
 
     body: Any
     lower: float = 0.0
     upper: float = 0.0
 
     def relations(self) -> list[Any]:
-        """The row as one or two relations that the operators of the body's own type make."""
+        """The row as one or two relations.
+
+        The operators of the body's own type make them.
+        """
         if self.lower == self.upper:
             return [self.body == self.lower]
         least = [self.body >= self.lower] if math.isfinite(self.lower) else []
@@ -49,7 +58,10 @@ class Row(NamedTuple):
 
 
 class Written(NamedTuple):
-    """A program in an engine's expressions: the objective to be minimised, and the rows."""
+    """A program in an engine's expressions.
+
+    The objective is to be minimised.
+    """
 
     objective: Any
     rows: list[Row]
@@ -57,9 +69,10 @@ class Written(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class MixedProgram:
-    """min f(x) subject to rows and bounds of x, shape (n,), maybe infinite; some x are binary.
+    """min f(x) subject to rows and bounds of x.
 
-    `write` takes the engine's n variables, and where its interface keeps `sin`, `cos`, ...
+    x has shape (n,). Bounds may be infinite, and some x are binary. `write` takes the engine's n
+    variables, and the object in which its interface keeps `sin`, `cos` and others.
     """
 
     lower: FloatArray
@@ -69,12 +82,12 @@ class MixedProgram:
 
     @property
     def variables(self) -> Iterator[tuple[float, float, bool]]:
-        """Lower bound, upper bound, and whether it is binary, of each variable."""
+        """Each variable's lower bound, upper bound and `binary`."""
         return zip(self.lower.tolist(), self.upper.tolist(), self.binary.tolist(), strict=True)
 
 
 class Settings(NamedTuple):
-    """What every engine is asked for."""
+    """The settings of a run, for every engine."""
 
     gap: float  # relative difference of objective and bound at which the engine may stop
     feastol: float  # on equations, absolute
@@ -83,9 +96,10 @@ class Settings(NamedTuple):
 
 
 class ProvenResult(NamedTuple):
-    """The end of one run; the claim is the engine's status, `optimal` within the gap.
+    """The end of one run of an engine.
 
-    The bound is minus infinity without one, infinity where it proves that there is no point.
+    The claim is that of the engine's status: `optimal` within the gap. The bound is minus infinity
+    if there is none. It is infinity if the engine proves that there is no point.
     """
 
     x: FloatArray | None  # shape (n,)
@@ -97,7 +111,7 @@ class ProvenResult(NamedTuple):
     message: str
 
     def counted(self, iterations: int | None, evaluations: int | None = None) -> EngineResult:
-        """The result as that of any engine, with what counts as iterations and evaluations."""
+        """The result as an `EngineResult` with the given counts."""
         return EngineResult(
             np.empty(0) if self.x is None else self.x,
             self.claim,

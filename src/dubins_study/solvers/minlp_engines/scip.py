@@ -21,12 +21,15 @@ from dubins_study.solvers.minlp_engines.mixed_program import (
 from dubins_study.solvers.statuses import claim_of
 from dubins_study.study.words import Claim
 
-_redirection = Lock()  # of two threads, each would save what the other has set
+_redirection = Lock()  # else each of two threads would save the descriptor that the other has set
 
 
 @contextmanager
 def _silent_errors() -> Iterator[None]:
-    """Send the descriptor 2, of all threads, to nowhere inside the `with` block."""
+    """Silence the descriptor 2 inside the `with` block.
+
+    This concerns all threads.
+    """
     with _redirection, ExitStack() as restored:
         with suppress(OSError):  # it may be closed
             saved = os.dup(2)
@@ -37,7 +40,7 @@ def _silent_errors() -> Iterator[None]:
         yield
 
 
-# what the message of every error of SCIP's own begins with: they have no type of their own
+# the message of every error of SCIP begins like this; these errors have no type of their own
 BROKEN = "SCIP:"
 
 # beside heuristics and cuts: without presolving and propagation
@@ -47,9 +50,10 @@ _LEAN = dict.fromkeys(
 
 
 def scip(settings: Settings) -> MinlpCall:
-    """SCIP with numerics/feastol and limits/gap; `lean` leaves bare branch and bound.
+    """A call of SCIP with the given settings.
 
-    An error of SCIP's own is a result; Ctrl-C, which SCIP catches, is raised again.
+    They become numerics/feastol and limits/gap; `lean` leaves bare branch and bound. An error of
+    SCIP's own is a result. Ctrl-C, which SCIP catches, is raised again.
     """
 
     def run(program: MixedProgram, seconds: float) -> ProvenResult:

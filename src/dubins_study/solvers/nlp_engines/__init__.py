@@ -1,1 +1,4 @@
-"""One adapter for each engine of nonlinear programs; the programs come from the formulations."""
+"""Adapters of engines for nonlinear programs.
+
+The programs come from the formulations.
+"""

@@ -1,4 +1,7 @@
-"""Executables on PATH, run as AMPL runs them: a program as an NL file, its end from a .sol file."""
+"""Executables on PATH, run as AMPL runs them.
+
+A program is written as an NL file. Its end is read from a .sol file.
+"""
 
 from __future__ import annotations
 
@@ -45,7 +48,10 @@ def ampl_nlp(options: OptionValues, executable: str, names: Keywords) -> NlpCall
 
 
 def ampl_minlp(settings: Settings, executable: str, names: Keywords) -> MinlpCall:
-    """An executable as an engine of mixed-integer programs, which tells no bound."""
+    """An executable as an engine of mixed-integer programs.
+
+    It reports no bound.
+    """
     options: OptionValues = dict.fromkeys(names.options.feasibility, settings.feastol)
     if names.gap:
         options[names.gap] = settings.gap
@@ -61,7 +67,10 @@ def ampl_minlp(settings: Settings, executable: str, names: Keywords) -> MinlpCal
 
 
 class _Run(NamedTuple):
-    """What is run, and until when (s, on `perf_counter`); writing the file counts as well."""
+    """An executable, its options, and the time limit.
+
+    `until` is in s, on `perf_counter`. The time for writing the file counts as well.
+    """
 
     executable: str
     options: OptionValues
@@ -70,10 +79,11 @@ class _Run(NamedTuple):
 
 
 def _ended(program: MixedProgram, guess: FloatArray | None, run: _Run) -> EngineResult:
-    """The end of `executable model -AMPL name=value ...`, from model.nl to model.sol.
+    """Run the executable on a program.
 
-    It runs in a folder of its own, with nothing on its input; at the limit it is ended with
-    whatever it started. Nothing but the file that it leaves is read.
+    The command is `executable model -AMPL name=value ...`. It reads model.nl and writes model.sol,
+    in a folder of its own, with nothing on its input. At the limit it is ended together with every
+    process that it started. Nothing but the .sol file is read.
     """
     model = pyomo_model(program, guess)
     with tempfile.TemporaryDirectory() as name:
@@ -93,7 +103,7 @@ def _ended(program: MixedProgram, guess: FloatArray | None, run: _Run) -> Engine
 
 
 def _read(model: Any, written: NlFile, text: str, executable: str) -> EngineResult:
-    """What the text of a .sol file says."""
+    """The result in the text of a .sol file."""
     from pyomo.common.errors import PyomoException
     from pyomo.contrib.solver.solvers.asl_sol_reader import (
         ASLSolFileSolutionLoader,
@@ -112,7 +122,7 @@ def _read(model: Any, written: NlFile, text: str, executable: str) -> EngineResu
     try:
         values = loader.get_vars(variables)
     except (PyomoException, AssertionError, LookupError):
-        # each loader has its own way to say that there is no point, which some claims do not need
+        # each loader reports a missing point in its own way; some claims need no point
         pointless = claim if claim in (*DENIALS, Claim.LIMIT) else Claim.FAILED
         return no_point(len(variables), pointless, status, message)
     x = np.array([values[variable] for variable in variables])
@@ -125,7 +135,10 @@ def _read(model: Any, written: NlFile, text: str, executable: str) -> EngineResu
 
 
 def _exit_code(run: _Run, folder: FilePath) -> int | None:
-    """The exit code of an executable, or None if it did not end in time."""
+    """The exit code of an executable.
+
+    None if it did not end in time.
+    """
     path = shutil.which(run.executable)
     assert path is not None  # or the solver is unavailable
     options = run.options | run.names.until(run.until - perf_counter())

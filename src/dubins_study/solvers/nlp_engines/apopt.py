@@ -1,7 +1,7 @@
-"""APOPT, an active-set SQP method, in the APMonitor program that the package gekko brings.
+"""APOPT, an active-set SQP method, by gekko's program.
 
-It is started as gekko starts it: in a folder of its own, on a model and options in APMonitor's
-language. It writes ten digits of a point.
+The APMonitor program that the package gekko brings is started as gekko starts it: in a folder of
+its own, on a model and options in APMonitor's language. It writes ten digits of a point.
 """
 
 from __future__ import annotations
@@ -31,7 +31,10 @@ _MODEL = "model"  # APMonitor's names of its files
 
 
 def apopt(options: OptionValues) -> NlpCall:
-    """APOPT; its RTOL is on the equations, its OTOL on the objective."""
+    """A call of APOPT with the given options.
+
+    Its RTOL is on the equations, its OTOL on the objective.
+    """
 
     def run(program: Program, guess: FloatArray, seconds: float) -> EngineResult:
         chosen = {"solver": 1, "imode": 3, **program.attainable(options, "rtol")}
@@ -60,7 +63,7 @@ def apopt(options: OptionValues) -> NlpCall:
 
 
 def unavailable() -> str | None:
-    """Why the program cannot run here, or None."""
+    """The reason why the program cannot run, or None."""
     file = _program()
     if os.access(file, os.X_OK):
         return None
@@ -68,7 +71,10 @@ def unavailable() -> str | None:
 
 
 def _program() -> FilePath:
-    """The program for this machine, chosen as gekko does."""
+    """The program for this machine.
+
+    It is chosen as gekko does.
+    """
     spec = importlib.util.find_spec("gekko")
     assert spec is not None
     assert spec.origin is not None
@@ -102,7 +108,10 @@ def _bound(sign: str, value: float) -> str:
 
 
 def _log(folder: FilePath, seconds: float) -> str | None:
-    """What the program prints; None if it was stopped for its time."""
+    """Run the program; return the text that it prints.
+
+    None if it was stopped at its time limit.
+    """
     try:
         ended = subprocess.run(
             [_program(), _MODEL],
@@ -121,9 +130,10 @@ def _log(folder: FilePath, seconds: float) -> str | None:
 
 
 def _lift_data_limit() -> None:
-    """Let the program reserve gigabytes, of which it fills a few MB.
+    """Lift the process's limit of data memory.
 
-    Within a worker's limit it ends now and then with exit code 41, insufficient virtual memory.
+    The program reserves gigabytes, of which it fills a few MB. Within a worker's limit it ends now
+    and then with exit code 41, insufficient virtual memory.
     """
     import resource
 
@@ -132,7 +142,10 @@ def _lift_data_limit() -> None:
 
 
 def _point(file: FilePath, n: int) -> FloatArray:
-    """The variables that the program leaves, NaN where it leaves none; shape (n,)."""
+    """The variables that the program leaves, shape (n,).
+
+    They are NaN if it leaves none.
+    """
     if not file.is_file():
         return np.full(n, math.nan)
     values = json.loads(file.read_text())
@@ -140,7 +153,7 @@ def _point(file: FilePath, n: int) -> FloatArray:
 
 
 def _iterations(log: str) -> int | None:
-    """The number of the last line of the table of iterations."""
+    """The last iteration number in the log's table."""
     table = log.partition("Convergence")[2].splitlines()
     rows = [words for words in map(str.split, table) if len(words) == 3 and words[0].isdigit()]
     return int(rows[-1][0]) if rows else None

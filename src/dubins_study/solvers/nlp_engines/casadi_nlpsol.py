@@ -1,4 +1,4 @@
-"""The engines that casadi's wheel carries, all through its `nlpsol`."""
+"""The engines in casadi's wheel, called through its `nlpsol`."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from dubins_study.study.words import Claim
 
 
 class _Plugin(NamedTuple):
-    """How a plug-in of `nlpsol` behaves."""
+    """The behaviour of a plug-in of `nlpsol`."""
 
     watched: bool = False  # calls casadi's `iteration_callback`, and so can be stopped
     raises: bool = False  # where it fails
@@ -44,23 +44,24 @@ _PLUGINS = {
 }
 
 
-# What every engine of casadi is given: scalar expressions evaluate faster than matrix ones, and
-# casadi would warn of every NaN that Ipopt tries on a word without a path; nobody reads the
-# sensitivities to the parameters.
+# Options of every engine of casadi. Scalar expressions evaluate faster than matrix ones. casadi
+# would warn of every NaN that Ipopt tries on a word without a path. The sensitivities to the
+# parameters are not used.
 _PLAIN = {"print_time": False, "expand": True, "show_eval_warnings": False, "calc_lam_p": False}
 
 
 def _watch(variables: int, rows: int) -> Any:
-    """The function that casadi calls after every iteration, at a cost of some 0.01 ms.
+    """A callback that casadi runs after every iteration.
 
-    It stops a run at the time `at`, set before; Ipopt's own time limits are fixed once compiled.
+    It costs some 0.01 ms a call. It stops a run at the time `at`, which is set before. Ipopt's own
+    time limits are fixed once the solver is compiled.
     """
     import casadi
 
     sizes = {"x": variables, "lam_x": variables, "g": rows, "lam_g": rows, "f": 1}
 
     class Watch(casadi.Callback):
-        """Told of every iteration; answers whether to stop."""
+        """A callback that decides whether a run stops."""
 
         at = math.inf  # s, on `perf_counter`
 
@@ -84,7 +85,10 @@ def _watch(variables: int, rows: int) -> Any:
             return True
 
         def eval_buffer(self, _: Any, results: Any) -> int:
-            """Write whether to stop; `eval` would convert every argument to a matrix first."""
+            """Write whether to stop.
+
+            `eval` would convert every argument to a matrix first.
+            """
             np.frombuffer(results[0])[0] = perf_counter() > self.at
             return 0
 
@@ -95,10 +99,10 @@ def _watch(variables: int, rows: int) -> Any:
 def _compiled(
     expressions: Expressions, plugin: str, chosen: tuple[tuple[str, Any], ...], watched: bool
 ) -> tuple[Callable[[], Any], Any]:
-    """What gives the function that solves a program, and its watch, which casadi does not keep.
+    """A function that gives the solver, and its watch.
 
-    The function takes x0, p, lbx, ubx, lbg and ubg, and returns the point, the duals of g and
-    casadi's statistics.
+    casadi does not keep the watch. The solver takes x0, p, lbx, ubx, lbg and ubg. It returns the
+    point, the duals of g and casadi's statistics.
     """
     import casadi
 
@@ -129,7 +133,7 @@ _Call = Callable[..., tuple[FloatArray, FloatArray, dict[str, Any]]]
 
 
 def _plain(solver: Any) -> _Call:
-    """A solver of `casadi.nlpsol` as it is."""
+    """Call a solver of `casadi.nlpsol` in the usual way."""
 
     def run(*given: Any) -> tuple[FloatArray, FloatArray, dict[str, Any]]:
         end = solver(**dict(zip(("x0", "p", "lbx", "ubx", "lbg", "ubg"), given, strict=True)))
@@ -139,9 +143,9 @@ def _plain(solver: Any) -> _Call:
 
 
 def _by_arrays(solver: Any) -> _Call:
-    """A solver of `casadi.nlpsol` that reads and writes arrays in place.
+    """Call a solver of `casadi.nlpsol` on arrays in place.
 
-    Called with arrays, it takes 0.2 ms to convert them, as long as Ipopt's iteration.
+    A usual call with arrays takes 0.2 ms to convert them, as long as Ipopt's iteration.
     """
     buffer, evaluate = solver.buffer()
     given = [np.zeros(solver.numel_in(i)) for i in range(solver.n_in())]
@@ -167,13 +171,13 @@ def _by_arrays(solver: Any) -> _Call:
 
 
 def nlpsol(options: OptionValues, plugin: str) -> NlpCall:
-    """A plug-in of `nlpsol` by its name."""
+    """A call of a plug-in of `nlpsol`."""
     chosen = tuple(options.items())
     max_iter = next((value for name, value in chosen if name.endswith("max_iter")), None)
 
     def run(program: Program, guess: FloatArray, seconds: float) -> EngineResult:
         with ExitStack() as streams:
-            if plugin != "ipopt":  # whose options silence it; what others print is Python's output
+            if plugin != "ipopt":  # its options silence it; the others print to Python's output
                 streams.enter_context(redirect_stdout(StringIO()))
                 streams.enter_context(redirect_stderr(StringIO()))
             watched = _PLUGINS[plugin].watched and needs_watch(max_iter, guess.size)
@@ -195,7 +199,10 @@ def nlpsol(options: OptionValues, plugin: str) -> NlpCall:
 
 
 def claim(plugin: str, stats: dict[str, Any]) -> Claim:
-    """The claim in the statistics of a run; casadi's own where the plug-in's word is not known."""
+    """The claim in the statistics of a run.
+
+    It is casadi's own where the plug-in's status is not listed.
+    """
     unnamed = claim_of("casadi", str(stats["unified_return_status"]))
     return claim_of(plugin, str(stats.get("return_status")), unnamed)
 
@@ -203,7 +210,7 @@ def claim(plugin: str, stats: dict[str, Any]) -> Claim:
 def _result(plugin: str, x: FloatArray, duals: FloatArray, stats: dict[str, Any]) -> EngineResult:
     status = str(stats.get("return_status", stats["unified_return_status"]))
     iterations = stats.get("iter_count")
-    # of objective or equations, whichever are more; alpaqa's psi evaluates both
+    # evaluations of objective or equations, whichever are more; alpaqa's psi evaluates both
     of_both = stats.get("n_call_nlp_fg", 0) + stats.get("n_call_nlp_psi", 0)
     of_one = max(stats.get("n_call_nlp_f", 0), stats.get("n_call_nlp_g", 0))
     return EngineResult(

@@ -1,6 +1,7 @@
-"""A program's casadi expressions as text in APMonitor's language, or in another interface's.
+"""A program's casadi expressions in other languages.
 
-casadi keeps a function of its SX symbols as a list of instructions; each is one operation.
+They become text in APMonitor's language, or expressions of another interface. casadi keeps a
+function of its SX symbols as a list of instructions; each is one operation.
 """
 
 from __future__ import annotations
@@ -36,7 +37,10 @@ _LONGEST = 2000  # characters; lines may have 15000
 
 
 class AlgebraText(NamedTuple):
-    """A program as text; an intermediate is a name and an expression of those before it."""
+    """A program as text.
+
+    An intermediate is a name and an expression, in which earlier intermediates may stand.
+    """
 
     variables: list[str]
     objective: str
@@ -45,9 +49,10 @@ class AlgebraText(NamedTuple):
 
 
 def algebra_text(program: Program) -> AlgebraText:
-    """A program at its parameters in APMonitor's language, long expressions cut in pieces.
+    """A program as text in APMonitor's language.
 
-    An operation that the language lacks, such as OP_FLOOR, is a KeyError.
+    The parameters are numbers, and long expressions are cut in pieces. An operation that the
+    language lacks, such as OP_FLOOR, is a KeyError.
     """
     variables = [f"x[{i + 1}]" for i in range(program.lower.size)]
     intermediates: list[tuple[str, str]] = []
@@ -85,7 +90,10 @@ _OPERATORS: dict[str, Callable[..., Any]] = {
 
 
 def mixed_program(program: Program) -> MixedProgram:
-    """The same program as the interfaces of engines write it, its variables all continuous."""
+    """The same program for engines with their own expressions.
+
+    Its variables are all continuous.
+    """
 
     def write(x: Sequence[Any], interface: Any) -> Written:
         functions = Functions(interface)
@@ -106,7 +114,10 @@ def _evaluated(
     constant: Callable[[float], Any],
     operation: Callable[..., Any],
 ) -> tuple[Any, list[Any]]:
-    """The objective and the sides of the equations, each operation made by `operation`."""
+    """The objective and the sides of the equations.
+
+    `operation` makes each operation, `constant` each number.
+    """
     import casadi
 
     posed = program.expressions
@@ -134,7 +145,7 @@ def _evaluated(
 
 @cache
 def _operation_names() -> dict[int, str]:
-    """casadi's names of its operations, by their numbers."""
+    """casadi's names of its operations, by number."""
     import casadi
 
     return {getattr(casadi, name): name for name in dir(casadi) if name.startswith("OP_")}

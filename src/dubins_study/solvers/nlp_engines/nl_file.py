@@ -1,4 +1,7 @@
-"""Programs as files in AMPL's format NL, which any engine with an AMPL interface reads."""
+"""Programs as files in AMPL's format NL.
+
+Any engine with an AMPL interface reads this format.
+"""
 
 from __future__ import annotations
 
@@ -11,14 +14,20 @@ from dubins_study.study.arrays import FloatArray
 
 
 class NlFile(NamedTuple):
-    """The text of a file, and the writer's record of which variable and row stands where."""
+    """The text of a file, and the writer's record.
+
+    The record says where each variable and each row stands.
+    """
 
     text: str
     info: Any
 
 
 def nl_file(model: Any, title: str = "") -> NlFile:
-    """A Pyomo model as an NL file; with a title, the first line holds it and all names."""
+    """A Pyomo model as an NL file.
+
+    With a title, the first line holds the title and all names.
+    """
     from pyomo.repn.plugins.nl_writer import NLWriter
 
     stream = StringIO()
@@ -33,7 +42,10 @@ def nl_file(model: Any, title: str = "") -> NlFile:
 
 
 def pyomo_model(program: MixedProgram, guess: FloatArray | None = None) -> Any:
-    """A program in Pyomo: variables x[0], x[1], ..., rows g[0], g[1], ... and the objective f."""
+    """A program in Pyomo.
+
+    Its variables are x[0], x[1], ..., its rows g[0], g[1], ..., and its objective is f.
+    """
     from pyomo import environ
 
     m = environ.ConcreteModel()

@@ -1,4 +1,7 @@
-"""NLopt's local algorithms that take equations: SLSQP, the augmented Lagrangian and COBYLA."""
+"""NLopt's local algorithms that take equations.
+
+They are SLSQP, the augmented Lagrangian and COBYLA.
+"""
 
 from __future__ import annotations
 
@@ -30,10 +33,11 @@ _STATUSES = (
 
 
 def nlopt(options: OptionValues, algorithm: str, inner: str = "") -> NlpCall:
-    """An NLopt algorithm, with the algorithm `inner` for its subproblems if it needs one.
+    """A call of an NLopt algorithm.
 
-    `constraint_tol` is the violation of each equation, `maxeval` limits evaluations; the other
-    options are tolerances by which both algorithms stop.
+    The algorithm `inner` solves its subproblems if it needs one. `constraint_tol` is the violation
+    that each equation may have. `maxeval` limits evaluations. The other options are tolerances by
+    which both algorithms stop.
     """
 
     def run(program: Program, guess: FloatArray, seconds: float) -> EngineResult:

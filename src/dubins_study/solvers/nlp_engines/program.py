@@ -20,7 +20,11 @@ from dubins_study.study.body_coordinates import EPS
 
 
 class Stages(NamedTuple):
-    """How many states, controls and equations, but for those of the next state, a stage has."""
+    """The sizes of a control problem's stages.
+
+    Each stage has a number of states, of controls and of equations. The equations of the next state
+    are not counted.
+    """
 
     nx: tuple[int, ...]
     nu: tuple[int, ...]
@@ -29,11 +33,13 @@ class Stages(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Expressions:
-    """min f(x, p) subject to g(x, p) = 0 and bounds on x, in casadi's SX symbols.
+    """A program in casadi's SX symbols.
 
-    Of shapes (n,) for x, (k,) for p, (m,) for g. Engines keep what they compiled of an object, so a
-    formulation keeps it. With `stages`, x and g follow those of a control problem: the state, then
-    the controls of a stage; that it ends at the next state, then its other equations.
+    min f(x, p) subject to g(x, p) = 0 and bounds on x, with shapes (n,) for x, (k,) for p and (m,)
+    for g. Engines keep their compiled form of an object, so a formulation keeps the object. With
+    `stages`, x and g follow those of a control problem. x has the state of each stage, then its
+    controls. g has the equations of each stage: first that it ends at the next state, then the
+    others.
     """
 
     x: Any
@@ -44,7 +50,7 @@ class Expressions:
 
     @cached_property
     def _compiled(self) -> _Compiled:
-        """The functions and the derivatives' places, as casadi has them."""
+        """The functions and the derivatives' places in casadi."""
         import casadi
 
         x, f, g = self.x, self.f, self.g
@@ -99,7 +105,10 @@ class Expressions:
 
 
 class _Compiled(NamedTuple):
-    """`casadi.Function`s of x, p and for the curvatures weights, and the places of entries."""
+    """A program's `casadi.Function`s, and its entries' places.
+
+    The functions take x and p; `curvatures` takes weights too.
+    """
 
     f: Any
     gradient: Any
@@ -111,9 +120,9 @@ class _Compiled(NamedTuple):
 
 
 class Entries(NamedTuple):
-    """The entries of a program's derivatives that may differ from zero.
+    """The derivatives' entries that may differ from zero.
 
-    `at` holds their rows and columns, shape (2, entries).
+    `jacobian_at` and `hessian_at` hold their rows and columns, shape (2, entries).
     """
 
     jacobian_at: IntArray
@@ -124,7 +133,10 @@ class Entries(NamedTuple):
 
 
 class Functions(NamedTuple):
-    """A program's functions of x, shape (n,); the Hessian is that of f + weights g."""
+    """A program's functions of x, shape (n,).
+
+    The Hessian is that of f + weights g.
+    """
 
     objective: Callable[[FloatArray], float]
     gradient: Callable[[FloatArray], FloatArray]  # of f, shape (n,)
@@ -136,12 +148,13 @@ class Functions(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Program:
-    """One question's program: values of p (k,), and bounds of x (n,), maybe infinite.
+    """One question's program.
 
-    An engine that calls functions which are `written` by hand, if these are quicker than casadi's,
-    loads no casadi where the expressions are a function that gives them. Some 1e-16 of
-    `magnitude`, that of the terms which the equations add up, is their rounding. `bounds` of g, if
-    they are not 0, are read by the engines of `casadi_nlpsol` only.
+    It has the values of p (k,), and bounds of x (n,), maybe infinite. Functions may be `written` by
+    hand if these are quicker than casadi's. An engine that calls functions then loads no casadi, if
+    `source` is a function that gives the expressions. `magnitude` is the size of the terms that the
+    equations add up; some 1e-16 of it is their rounding. `bounds` of g, if they are not 0, are read
+    by the engines of `casadi_nlpsol` only.
     """
 
     source: Expressions | Callable[[], Expressions]
@@ -154,16 +167,19 @@ class Program:
 
     @cached_property
     def expressions(self) -> Expressions:
-        """The expressions, for engines that read some."""
+        """The expressions, for engines that read them."""
         return self.source if isinstance(self.source, Expressions) else self.source()
 
     @cached_property
     def functions(self) -> Functions:
-        """The functions, for engines that call some."""
+        """The functions, for engines that call them."""
         return self.written or self.expressions.functions(self.p)
 
     def attainable(self, options: Mapping[str, Any], *names: str) -> OptionValues:
-        """Options, no named tolerance on the equations less than what their rounding leaves."""
+        """The options with tolerances that rounding allows.
+
+        No named tolerance on the equations is less than the rounding of the equations.
+        """
         least = 64 * EPS * self.magnitude
         return {**options, **{key: max(options[key], least) for key in names if key in options}}
 
@@ -172,9 +188,10 @@ _QUICK_ITERATIONS = 3000  # Ipopt's default; on ten variables they take a third 
 
 
 def needs_watch(max_iter: int | None, n: int) -> bool:
-    """Whether a run on n variables may take half a second, so that it looks at the time.
+    """Whether a run on n variables needs a watch.
 
-    In a quicker one these looks would cost a tenth of it, or more than the iterations do.
+    A run that may take half a second looks at the time. In a quicker one these looks would cost a
+    tenth of it, or more than the iterations do.
     """
     return n > 10 or (max_iter or 0) > _QUICK_ITERATIONS
 

@@ -1,6 +1,6 @@
-"""Pyomo models that are compiled once and asked many times.
+"""Pyomo models, compiled once and solved many times.
 
-Data are variables of the model. Engines get the NL file that Pyomo writes, read by casadi, with the
+Data are variables of the model. Pyomo writes the model as an NL file, which casadi reads with the
 data as parameters.
 """
 
@@ -19,9 +19,10 @@ from dubins_study.study.arrays import FloatArray
 
 
 class PyomoProgram(NamedTuple):
-    """A Pyomo model with its n unknowns and its data in the caller's order.
+    """A Pyomo model, its unknowns and its data.
 
-    `rows` are the equations, with right-hand side 0, whose duals are wanted.
+    The n unknowns and the data are in the caller's order. `rows` are equations with right-hand side
+    0 whose duals are wanted.
     """
 
     model: Any
@@ -35,10 +36,10 @@ Ask = Callable[[FloatArray, FloatArray, FloatArray, FloatArray, float], EngineRe
 
 
 def asked(model: PyomoProgram, engine: NlpCall, native: bool) -> Ask:
-    """A Pyomo model to be solved by an engine many times.
+    """A function that solves a Pyomo model many times.
 
-    A `native` engine gets the file as it is; for the others each inequality is an equation with a
-    slack variable.
+    A `native` engine gets the file as it is. For the others each inequality becomes an equation
+    with a slack variable.
     """
     import casadi as ca
     from pyomo.repn.plugins.nl_writer import NLWriter

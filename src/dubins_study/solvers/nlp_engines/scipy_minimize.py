@@ -1,4 +1,7 @@
-"""SciPy's SLSQP, COBYQA and trust-constr; none of them has a test for infeasibility."""
+"""SciPy's SLSQP, COBYQA and trust-constr.
+
+None of them has a test for infeasibility.
+"""
 
 from __future__ import annotations
 
@@ -19,15 +22,18 @@ from dubins_study.study.words import Claim
 # The duals of two end-point equations whose path ends straight are a unit vector; up to this length
 # they are passed on without a check.
 _LONG_DUAL = 2.0
-_AT_BOUND = 1e-6  # in the variables' unit: nearer to a bound, its own dual has a say
+_AT_BOUND = 1e-6  # in the variables' unit: nearer to a bound, the bound's own dual counts
 # Variables up to which trust-constr gets dense matrices: at 10 legs of a route both kinds take it
 # 0.13 s, at 50 legs dense ones 2.9 s and sparse ones 0.4 s, in as many iterations.
 _MOST_DENSE = 60
-_STATIONARY = 1e-3  # slopes of 1 in all: what is off by more is no stationary point
+_STATIONARY = 1e-3  # where slopes are about 1: a point that is off by more is not stationary
 
 
 def slsqp(options: OptionValues) -> NlpCall:
-    """SLSQP after Kraft; its ftol is on the objective's change and the violations' sum."""
+    """A call of SLSQP after Kraft.
+
+    Its ftol is on the objective's change and the violations' sum.
+    """
 
     def run(program: Program, guess: FloatArray, seconds: float) -> EngineResult:
         functions = program.functions
@@ -48,7 +54,10 @@ def slsqp(options: OptionValues) -> NlpCall:
 
 
 def cobyqa(options: OptionValues) -> NlpCall:
-    """COBYQA of Ragonneau and Zhang, without derivatives."""
+    """A call of COBYQA by Ragonneau and Zhang.
+
+    It takes no derivatives.
+    """
 
     def run(program: Program, guess: FloatArray, seconds: float) -> EngineResult:
         from scipy.optimize import NonlinearConstraint
@@ -69,7 +78,10 @@ def cobyqa(options: OptionValues) -> NlpCall:
 
 
 def trust_constr(options: OptionValues) -> NlpCall:
-    """trust-constr; its gtol is on the Lagrangian's gradient and on the violation."""
+    """A call of trust-constr.
+
+    Its gtol is on the Lagrangian's gradient and on the violation.
+    """
 
     def run(program: Program, guess: FloatArray, seconds: float) -> EngineResult:
         from scipy.optimize import NonlinearConstraint
@@ -82,7 +94,7 @@ def trust_constr(options: OptionValues) -> NlpCall:
             functions.equations, 0.0, 0.0, jac=functions.jacobian, hess=functions.hessian
         )
         with warnings.catch_warnings():
-            # of a singular Jacobian, which it then factorizes in another way
+            # SciPy warns of a singular Jacobian, which it then factorizes in another way
             warnings.simplefilter("ignore", UserWarning)
             result = _minimized(
                 "trust-constr",
@@ -101,7 +113,7 @@ def trust_constr(options: OptionValues) -> NlpCall:
 
 
 def _sparse(program: Program) -> Functions:
-    """The program's functions, their derivatives as sparse matrices."""
+    """The program's functions with sparse derivatives."""
     from scipy.sparse import csr_array
 
     functions = program.functions
@@ -124,12 +136,15 @@ def _sparse(program: Program) -> Functions:
 def _minimized(
     method: str, program: Program, guess: FloatArray, seconds: float | None, **given: Any
 ) -> Any:
-    """SciPy's result; the callback stops a run that is given seconds."""
+    """SciPy's result.
+
+    If seconds are given, the callback stops the run after them.
+    """
     from scipy.optimize import Bounds, minimize
 
     until = None if seconds is None else perf_counter() + seconds
 
-    def stop_late(*_: Any) -> None:  # what SciPy tells it depends on the method
+    def stop_late(*_: Any) -> None:  # its arguments depend on the method
         if until is not None and perf_counter() > until:
             raise StopIteration
 
@@ -139,7 +154,7 @@ def _minimized(
 
 
 def _ended(method: str, result: Any, duals: FloatArray | None) -> EngineResult:
-    """SciPy's result as every engine gives it."""
+    """SciPy's result as an `EngineResult`."""
     native = f"{'mode' if method == 'SLSQP' else 'status'} {result.status}"
     return EngineResult(
         result.x,
@@ -153,10 +168,12 @@ def _ended(method: str, result: Any, duals: FloatArray | None) -> EngineResult:
 
 
 def _duals(result: Any, program: Program) -> FloatArray | None:
-    """Duals of the equations: SciPy's Lagrangian is f - m g, ours f + m g.
+    """Duals of the equations.
 
-    At some optima, status 0 included, SciPy returns 1e8 and more (seen with 1.17.1). What is no
-    derivative of the Lagrangian with respect to a variable between its bounds is not passed on.
+    SciPy's Lagrangian is f - m g; this package's is f + m g, so the sign changes. At some optima,
+    status 0 included, SciPy returns 1e8 and more (seen with 1.17.1). Such duals are returned only
+    if the Lagrangian is stationary in the variables between their bounds; otherwise the result is
+    None.
     """
     duals = result.get("multipliers")
     if duals is None:

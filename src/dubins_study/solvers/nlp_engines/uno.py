@@ -1,4 +1,4 @@
-"""Uno by its makers' own wheel, `unopy`, with the ingredients of the solver filterSQP."""
+"""Uno by its makers' wheel `unopy`, as filterSQP."""
 
 from __future__ import annotations
 
@@ -15,7 +15,10 @@ from dubins_study.study.arrays import FloatArray
 
 
 def filtersqp(options: OptionValues) -> NlpCall:
-    """Fletcher and Leyffer's filterSQP as Uno rebuilds it, with their QP solver BQPD."""
+    """A call of filterSQP as Uno rebuilds it.
+
+    The method is Fletcher and Leyffer's, with their QP solver BQPD.
+    """
 
     def run(program: Program, guess: FloatArray, seconds: float) -> EngineResult:
         import unopy
@@ -26,7 +29,7 @@ def filtersqp(options: OptionValues) -> NlpCall:
         for name, value in {**chosen, "time_limit": float(seconds)}.items():
             solver.set_option(name, value)
         result = solver.optimize(_model(program, guess))
-        # how it stopped, and what the point is, which counts where it ended of itself
+        # the first status is how it stopped; the second, of the point, counts if it ended by itself
         status = result.optimization_status.name
         if status == "SUCCESS":
             status = result.solution_status.name
@@ -46,7 +49,10 @@ def filtersqp(options: OptionValues) -> NlpCall:
 
 
 def _model(program: Program, guess: FloatArray) -> Any:
-    """The program as Uno takes it: derivatives by entries, the Lagrangian f + multipliers g."""
+    """The program in Uno's form.
+
+    Derivatives are given by entries. The Lagrangian is f + multipliers g.
+    """
     import unopy
 
     functions = program.functions

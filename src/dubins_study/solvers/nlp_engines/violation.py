@@ -1,8 +1,8 @@
-"""Whether a point that misses its equations is stationary for the violation.
+"""The slope of the violation at an infeasible point.
 
-Local engines that find no feasible point say so in words of their own, or in none. The slope here
-is measured from the program alone, the same for all engines. It is 0 where no small change of the
-variables lowers the violation to first order: a point of local infeasibility.
+Local engines that find no feasible point report this in words of their own, or not at all. The
+slope here is measured from the program alone, the same for all engines. It is 0 where no small
+change of the variables lowers the violation to first order: a point of local infeasibility.
 """
 
 from __future__ import annotations
@@ -25,7 +25,10 @@ _MOST = 400  # variables up to which the Euclidean length is tried too
 
 
 def measured(call: NlpCall) -> NlpCall:
-    """The engine's call, whose result can tell the slope of the violation at its point."""
+    """The engine's call with a slope in its result.
+
+    The result can compute the slope of the violation at its point.
+    """
 
     def run(program: Program, guess: FloatArray, seconds: float) -> EngineResult:
         result = call(program, guess, seconds)
@@ -35,13 +38,14 @@ def measured(call: NlpCall) -> NlpCall:
 
 
 def violation_slope(program: Program, x: FloatArray) -> float | None:
-    """The share of a point's violation, x of shape (n,), that a step of at most 1 removes.
+    """The violation's share that a small step removes.
 
-    By the linear model of the equations, within the bounds: 0 where the point is stationary for
-    the violation, 1 where the model can be mended. The model's violation is convex in the step, so
-    that it is 0 for a box of this size if and only if it is for any other. Of the sum of the
-    violations and their Euclidean length the smaller share counts, since engines minimise the one
-    or the other. None without a point, or where it misses nothing.
+    The point x has shape (n,), and the step has at most size 1 in each variable and stays within
+    the bounds. The equations are replaced by their linear model. The slope is 0 where the point is
+    stationary for the violation, and 1 where the model can be mended. The model's violation is
+    convex in the step, so that it is 0 for a box of this size if and only if it is for any other.
+    Both the sum of the violations and their Euclidean length are tried, since engines minimise the
+    one or the other; the smaller share counts. None without a point, or where it misses nothing.
     """
     from scipy.sparse import coo_array, csr_array
 
@@ -67,7 +71,10 @@ def violation_slope(program: Program, x: FloatArray) -> float | None:
 def _least_sum(
     slopes: csr_array, above: FloatArray, below: FloatArray, box: tuple[FloatArray, FloatArray]
 ) -> float:
-    """min sum t such that -t - below <= J d <= t + above, over steps in a box; NaN if unsolved."""
+    """min sum t over steps d in a box.
+
+    The rows are -t - below <= J d <= t + above. NaN if the program is not solved.
+    """
     from scipy.optimize import linprog
     from scipy.sparse import csr_array, eye_array, hstack, vstack
 
@@ -84,7 +91,10 @@ def _least_sum(
 
 
 def _least_length(slopes: csr_array, off: FloatArray, box: tuple[FloatArray, FloatArray]) -> float:
-    """min |off + J d| over steps in a box."""
+    """Least length of off + J d.
+
+    The steps d are in a box.
+    """
     from scipy.optimize import lsq_linear
 
     free = box[1] > box[0]

@@ -1,1 +1,4 @@
-"""The paper's model (4.12) of one leg: its cases, initial guesses, and the way to the target."""
+"""The paper's model (4.12) of one leg.
+
+Its cases, its initial guesses, and the polishing of its points.
+"""

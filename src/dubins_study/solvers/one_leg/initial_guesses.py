@@ -1,4 +1,7 @@
-"""Initial guesses of all local solvers: the guess decides which local minimum is reached."""
+"""Initial guesses of all local solvers.
+
+The guess decides which local minimum is reached.
+"""
 
 from __future__ import annotations
 
@@ -53,15 +56,19 @@ _SWINGS = (0.7, -0.7, 1.4, -1.4)
 def initial_guesses(
     question: Question, case: Case, kind: str, seed: int, count: int, *, both: bool = False
 ) -> Iterator[FloatArray]:
-    """Points z, each of shape (3,), from which to solve a case; fixed lengths are zero.
+    """Points z from which to solve a case.
 
-    The question's own guess goes first, if that is a path of the subproblem's word. The kinds:
+    Each point has shape (3,); fixed lengths are zero. The question's own guess goes first, if that
+    is a path of the subproblem's word.
+
+    The kinds:
     `bearing`: turn towards the target and by half the radius' apparent size more, then go straight;
         some turns to either side follow. The joint model begins as for `one`.
-    `words`: the first of these for each word that the subproblem holds; if `both` orders are
+    `words`: the first guess of `bearing` for each word of the subproblem; if `both` orders are
         solved, each word is begun in one of them.
     `one`: the shorter turn towards the target, then straight, whatever the word.
-    `straight`: no turn, the target's distance. `zero`: AMPL's default.
+    `straight`: no turn, the target's distance.
+    `zero`: all lengths zero, AMPL's default.
     `random`: `count` points, arcs up to a full turn, straights up to twice the target's distance
         plus 2.
     `given`: only the question's own guess.
@@ -96,18 +103,21 @@ def initial_guesses(
 
 
 def _words_of(subproblem: Subproblem, both: bool) -> list[str]:
-    """The words that a subproblem holds; with `both` orders, those that begin as it does."""
+    """The words that a subproblem holds.
+
+    With `both` orders, only those that begin as the subproblem does.
+    """
     name = subproblem.name
     held = [word for word in WORDS if -1 < name.find(word[0]) < name.find(word[1])]
     return [word for word in held if word[0] == name[0]] if both else held
 
 
 def suffices(question: Question, subproblem: Subproblem, kind: str, z: FloatArray) -> bool:
-    """Whether a solution z, shape (3,), of a subproblem leaves no reason to try another guess.
+    """Whether a solution z needs no further guess.
 
-    LS and RS have one solution below a full turn; of the two of LR and RL only the one with the
-    long second arc can be optimal, but where the branch asks for the word, either may be the
-    shorter.
+    z, shape (3,), solves the subproblem. LS and RS have one solution below a full turn. LR and RL
+    have two, of which only the one with the long second arc can be optimal. Where the branch asks
+    for LR or RL itself, either may be the shorter.
     """
     if kind in ("random", "words"):
         return False
@@ -117,7 +127,10 @@ def suffices(question: Question, subproblem: Subproblem, kind: str, z: FloatArra
 
 
 def bearing_guesses(case: Case, prescribed: bool) -> Iterator[tuple[float, float, float]]:
-    """The guesses `bearing` of a case; `prescribed` if the branch asks for its word."""
+    """The guesses `bearing` of a case.
+
+    `prescribed` says that the branch asks for the case's word.
+    """
     X, Y, _ = case.target
     free = case.subproblem.free
     distance = max(math.hypot(X, Y), _SHORTEST)
@@ -143,13 +156,19 @@ def bearing_guesses(case: Case, prescribed: bool) -> Iterator[tuple[float, float
 
 
 def _toward(target: Local) -> tuple[float, float, float]:
-    """The shorter turn towards the target, then as far as it is away."""
+    """The shorter turn towards the target, then straight.
+
+    The straight is as long as the target is away.
+    """
     bearing = math.atan2(target.Y, target.X)
     return max(bearing, 0.0), max(-bearing, 0.0), max(math.hypot(target.X, target.Y), _SHORTEST)
 
 
 def _first(case: Case, word: str, prescribed: bool) -> FloatArray:
-    """The first guess of a word that a case holds, in the case's order of turns; shape (3,)."""
+    """The first guess of a case's word.
+
+    Shape (3,), in the case's order of turns.
+    """
     mirrored = case.subproblem.mirrored
     of_word = case_of(word, case.target.mirrored if mirrored else case.target)
     point = np.array(next(bearing_guesses(of_word, prescribed))) * of_word.subproblem.mask
@@ -157,7 +176,10 @@ def _first(case: Case, word: str, prescribed: bool) -> FloatArray:
 
 
 def _from_path(path: Path, subproblem: Subproblem) -> FloatArray:
-    """The length z of a path's turns the first way, its turns the other way, and its straights."""
+    """The lengths z of a path, shape (3,).
+
+    They are its turns the first way, its turns the other way, and its straights.
+    """
     turn = path.curvatures * path.lengths * subproblem.turns[0]
     straight = path.lengths[path.curvatures == 0].sum()
     return np.array((turn[turn > 0].sum(), -turn[turn < 0].sum(), straight))

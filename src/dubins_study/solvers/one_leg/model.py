@@ -1,8 +1,8 @@
-"""The paper's model (4.12) in body coordinates at unit radius.
+"""The paper's model (4.12) at unit radius.
 
-Its variables are z = (z1, z2, z3) >= 0: a turn one way, a turn the other way (rad), a straight
-(radii). In the order LRS the first turn is to the left; the order RLS is the same model seen in a
-mirror.
+It is in body coordinates. Its variables are z = (z1, z2, z3) >= 0: a turn one way, a turn the other
+way (rad), a straight (radii). In the order LRS the first turn is to the left. The order RLS is the
+same model seen in a mirror.
 """
 
 from __future__ import annotations
@@ -60,16 +60,19 @@ ORDERS = {"LRS": ("LRS",), "RLS": ("RLS",), "both": ("LRS", "RLS")}
 
 
 def formulation(model: str, order: str) -> str:
-    """What rows call a choice of `MODELS` and `ORDERS`."""
+    """The formulation's name in rows.
+
+    It follows from a choice of `MODELS` and `ORDERS`.
+    """
     orders = "both orders" if order == "both" else order
     return f"joint NLP, {orders}" if model == "joint" else "one NLP a word"
 
 
 class Case(NamedTuple):
-    """A subproblem, and its target in the subproblem's order of turns, in radii.
+    """A subproblem and its target.
 
-    `unit` is the length of a radius in the unit in which the model is posed; with `capped`, no arc
-    is longer than a full turn.
+    The target is in the subproblem's order of turns, in radii. `unit` is the length of a radius in
+    the unit in which the model is posed. With `capped`, no arc is longer than a full turn.
     """
 
     subproblem: Subproblem
@@ -87,13 +90,19 @@ class Case(NamedTuple):
 
 
 def case_of(name: str, target: Local) -> Case:
-    """A subproblem by its name, with a target in body coordinates."""
+    """The case of a subproblem's name.
+
+    `target` is in body coordinates.
+    """
     subproblem = SUBPROBLEMS[name]
     return Case(subproblem, target.mirrored if subproblem.mirrored else target)
 
 
 class PosedLeg(NamedTuple):
-    """A question about one leg, its target in body coordinates, and the cases to solve."""
+    """A question about one leg, with its cases.
+
+    The target is in body coordinates.
+    """
 
     question: Question
     target: Local
@@ -101,7 +110,10 @@ class PosedLeg(NamedTuple):
 
 
 def posed_leg(question: Question, model: str, order: str, presolve: bool = False) -> PosedLeg:
-    """The question with its word as the only case, or for `best` those of the settings."""
+    """The question with the cases to solve.
+
+    A word as branch is the only case. For `best` the cases follow from the settings.
+    """
     target = local(question.scenario)
     if model == "joint" and question.branch == "best":
         chosen = ORDERS[order]
@@ -115,9 +127,10 @@ Lengths = FloatArray | Sequence[float]
 
 
 def end_point(z1: Any, th: Any, z3: Any, functions: Any, R: Any = 1.0) -> tuple[Any, Any]:
-    """The end of the model's path: left to z1, right to the final heading th, straight for z3.
+    """The end (x, y) of the model's path.
 
-    In any interface's numbers or variables; `functions` has `sin` and `cos`.
+    The path turns left by z1, then right to the final heading th, and goes straight for z3. The
+    values are numbers or variables of any interface; `functions` has its `sin` and `cos`.
     """
     sin, cos = functions.sin, functions.cos
     x = R * (2 * sin(z1) - sin(th)) + z3 * cos(th)
@@ -125,14 +138,20 @@ def end_point(z1: Any, th: Any, z3: Any, functions: Any, R: Any = 1.0) -> tuple[
 
 
 def equations(z: Lengths, X: float, Y: float) -> FloatArray:
-    """Target minus end point: (4.10), (4.11) with start (0, 0, 0) and b = 1; (3,) -> (2,)."""
+    """Target minus end point; (3,) -> (2,).
+
+    Equations (4.10) and (4.11) with start (0, 0, 0) and b = 1.
+    """
     z1, z2, z3 = z
     x, y = end_point(z1, z1 - z2, z3, math)
     return np.array((X - x, Y - y))
 
 
 def jacobian(z: Lengths) -> FloatArray:
-    """Derivative of `equations` by z; shape (3,) -> (2, 3)."""
+    """Derivative of `equations` by z.
+
+    Shape (3,) -> (2, 3).
+    """
     z1, z2, z3 = z
     th = z1 - z2
     cos, sin = math.cos(th), math.sin(th)
@@ -145,7 +164,10 @@ def jacobian(z: Lengths) -> FloatArray:
 
 
 def hessian(z: Lengths, weights: FloatArray) -> FloatArray:
-    """Second derivative by z of `weights` times `equations`; shapes (3,), (2,) -> (3, 3)."""
+    """Second derivative of `weights` times `equations` by z.
+
+    Shapes (3,), (2,) -> (3, 3).
+    """
     z1, z2, z3 = z
     th = z1 - z2
     cos, sin = math.cos(th), math.sin(th)
@@ -163,5 +185,8 @@ def hessian(z: Lengths, weights: FloatArray) -> FloatArray:
 
 
 def as_path(scenario: Scenario, subproblem: Subproblem, z: FloatArray) -> Path:
-    """Controls of a point; lengths that a solver left below zero by rounding count as zero."""
+    """The path of a point z.
+
+    Lengths that a solver left below zero by rounding count as zero.
+    """
     return path_of(scenario, subproblem.turns, z)

@@ -1,4 +1,7 @@
-"""A point that meets the target to a solver's tolerance, moved until it meets it to rounding."""
+"""Polishing: points moved until they meet the target.
+
+A solver's point meets the target to a tolerance. A polished one meets it to rounding.
+"""
 
 from __future__ import annotations
 
@@ -24,13 +27,16 @@ _HALVINGS = 8
 _OUTSIDE = 0.05
 
 
-# relative; a polished path is the solver's own if their lengths are as close as a tolerance of 1e-6
-# on the squared length of the straight leaves them
+# Relative. A polished path counts as the solver's own if the two lengths differ by no more. A
+# tolerance of 1e-6 on the squared length of the straight leaves such a difference.
 _NEAR = 1e-3
 
 
 class Polished(NamedTuple):
-    """A word's lengths z, shape (3,), and their miss in radii, `meets` if it is only rounding."""
+    """A word's lengths z and their miss.
+
+    z has shape (3,). `miss` is in radii; `meets` says that it is only rounding.
+    """
 
     z: FloatArray
     miss: float
@@ -40,11 +46,14 @@ class Polished(NamedTuple):
 def meet_target(
     scenario: Scenario, target: Local, words: tuple[str, ...], word: str, z: FloatArray
 ) -> tuple[str, Polished]:
-    """A solver's point made to meet the target, and its word.
+    """A solver's point made to meet the target.
 
-    Where one arc leads to the target several words share it, all within the solver's tolerance, and
-    not each can be made to meet it: if the solver's `word` cannot, the others are tried. z, shape
-    (3,), is how far the point turns to the left and to the right (rad), then goes straight.
+    Returns its word and the polished point.
+
+    Where one arc leads to the target, several words share it, all within the solver's tolerance.
+    Not each of them can be made to meet the target: if the solver's `word` cannot, the others are
+    tried. z, shape (3,), holds the turns to the left and to the right (rad) of the solver's point,
+    then its straight.
     """
     distance = math.hypot(target.X, target.Y)
     rounding = 8 * EPS * (1 + distance + scenario.extent / scenario.radius)
@@ -62,10 +71,11 @@ def meet_target(
 
 
 def one_sided_only(question: Question, target: Local, path: Path) -> str | None:
-    """Why a path that turns one way and arrives is no answer to `LS` or `RS`; None if it is one.
+    """The reason to reject a path, or None.
 
-    It may go straight first, and so enter the turning circle, which no path of the word does. So
-    the word is driven with the path's own turn and straight, moved until they meet the target.
+    The path turns one way and arrives, and the branch is `LS` or `RS`. The path may go straight
+    first, and so enter the turning circle, which no path of the word does. So the word is driven
+    with the path's own turn and straight, moved until they meet the target.
     """
     scenario, word = question.scenario, question.branch
     if word not in ("LS", "RS"):
@@ -91,10 +101,12 @@ def one_sided_only(question: Question, target: Local, path: Path) -> str | None:
 
 
 def polish(case: Case, z: FloatArray) -> tuple[FloatArray, float]:
-    """The point of a case near z whose end is nearest to the target, and its miss (radii).
+    """The case's point near z that comes nearest.
 
-    Newton's step on the two equations, or the shortest least squares step, cut to the lengths that
-    the case allows and halved until it gains. z, shape (3,), is in the case's own order of turns.
+    Returns the point, whose end is nearest to the target, and its miss (radii). Each step is
+    Newton's step on the two equations, or the shortest least squares step. It is cut to the lengths
+    that the case allows and halved until it gains. z, shape (3,), is in the case's own order of
+    turns.
     """
     X, Y, _ = case.target
     free = list(case.subproblem.free)

@@ -1,4 +1,4 @@
-"""Runs of an engine on the cases of a question, and the answer of all of them."""
+"""Runs of an engine on a question's cases."""
 
 from __future__ import annotations
 
@@ -33,9 +33,10 @@ def searched(
     solve: Callable[[Case, FloatArray, float], EngineResult],
     limit: float,
 ) -> Solution:
-    """The answer of runs on each case, from its guesses of a kind until one `suffices`.
+    """The answer of runs on each case.
 
-    A point is z; `solve` takes the seconds that are left.
+    A case is solved from its guesses of a kind until a solution `suffices`. A point is z. `solve`
+    takes the seconds that are left.
     """
     until = perf_counter() + limit
 

@@ -1,1 +1,4 @@
-"""The optimal-control problem (2.2): turn rates, multiple shooting, and Radau collocation."""
+"""Solvers of the optimal-control problem (2.2).
+
+They use turn rates, multiple shooting and Radau collocation.
+"""

@@ -1,6 +1,6 @@
-"""`collocation`: the optimal-control problem in `pyomo.dae`, solved as one program.
+"""`collocation`: the optimal-control problem in `pyomo.dae`.
 
-The model: docs/formulations/collocation.md.
+It is solved as one program. The model: docs/formulations/collocation.md.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ from dubins_study.study.words import NLP
 
 
 class Collocated(NamedTuple):
-    """The transcription of one choice of settings, compiled."""
+    """The compiled transcription of one choice of settings."""
 
     fraction: FloatArray  # how far into its element each point lies, shape (points,), in (0, 1]
     ask: Ask
@@ -37,7 +37,10 @@ class Collocated(NamedTuple):
 
 @lru_cache(maxsize=64)
 def template(shape: Shape, engine: str, tol: float, max_iter: int, options: str) -> Collocated:
-    """A transcription, compiled once per setting and number of legs."""
+    """A compiled transcription.
+
+    It is compiled once for each choice of settings and number of legs.
+    """
     model = pyomo_model(shape)
     times = [tau for tau in model.tau if tau > 0]
     states = (model.x, model.y, model.theta, model.dx, model.dy, model.dtheta)
@@ -55,7 +58,11 @@ def template(shape: Shape, engine: str, tol: float, max_iter: int, options: str)
 
 
 class Shape(NamedTuple):
-    """Elements of a leg, points of an element, whether elements are equal, legs, final heading."""
+    """The sizes of a collocation.
+
+    `n` counts elements of a leg, `points` the points of an element. `equal` says that elements are
+    equally long, `final` that a final heading is given.
+    """
 
     n: int
     points: int
@@ -65,7 +72,10 @@ class Shape(NamedTuple):
 
 
 def pyomo_model(shape: Shape) -> Any:
-    """The transcription in Pyomo; the points and the final heading are variables to be fixed."""
+    """The transcription in Pyomo.
+
+    The points and the final heading are variables to be fixed.
+    """
     from pyomo import environ as pyo
     from pyomo.dae import ContinuousSet, DerivativeVar
 
@@ -110,7 +120,9 @@ def pyomo_model(shape: Shape) -> Any:
 
 @dataclass(frozen=True)
 class Collocation(NlpTranscription):
-    """Problem (2.2) collocated at Legendre-Gauss-Radau points; other settings: `NlpTranscription`.
+    """Problem (2.2) collocated at Legendre-Gauss-Radau points.
+
+    Other settings: `NlpTranscription`.
 
     Args:
         points: collocation points in each element.
@@ -134,7 +146,10 @@ class Collocation(NlpTranscription):
         compiled = template(shape, self.engine, self.tol, self.max_iter, self.options)
 
         def solve(guess: Guess, rates: Rates, until: float) -> Transcribed:
-            """The states of the guess follow its controls."""
+            """Solve from a guess.
+
+            The states of the guess follow its controls.
+            """
             turn, length = guess.elements
             times = length.reshape(legs, -1).sum(axis=1) if equal else length
             fraction = compiled.fraction

@@ -1,4 +1,7 @@
-"""`multiple-shooting`: the optimal-control problem with the poses between arcs as variables."""
+"""`multiple-shooting`: the optimal-control problem with poses as variables.
+
+These are the poses between the arcs.
+"""
 
 from __future__ import annotations
 
@@ -31,10 +34,10 @@ _POSE = 3  # x, y, heading
 
 @dataclass(frozen=True)
 class MultipleShooting(NlpTranscription):
-    """Problem (2.2) by multiple shooting (Bock and Plitt 1984); other settings: `NlpTranscription`.
+    """Problem (2.2) by multiple shooting (Bock and Plitt 1984).
 
-    The program: docs/formulations/multiple-shooting.md. F drives an arc (`arcs.chord`); segments of
-    the mesh `equal` have equal h_k.
+    Other settings: `NlpTranscription`. The program: docs/formulations/multiple-shooting.md. F
+    drives an arc (`arcs.chord`); segments of the mesh `equal` have equal h_k.
     """
 
     n: int = whole(4, 3, 1000)
@@ -52,7 +55,10 @@ class MultipleShooting(NlpTranscription):
     def _solved(
         self, engine: NlpCall, course: Course, guess: Guess, rates: Rates, until: float
     ) -> Transcribed:
-        """As `transcription.Template.solve`; the poses of the guess follow its controls."""
+        """Solve from a guess, as `transcription.Template.solve` does.
+
+        The poses of the guess follow its controls.
+        """
         turn, length = guess.elements
         legs, equal = course.legs, self.mesh == "equal"
         # a side that a word has not is no variable: engines do badly with one that is fixed
@@ -86,13 +92,20 @@ class MultipleShooting(NlpTranscription):
 
 @lru_cache(maxsize=32)
 def expressions(n: int, signs: tuple[int, ...], equal: bool, legs: int, final: bool) -> Expressions:
-    """The program over n segments a leg; its parameters are the points and the `final` heading.
+    """The program over n segments a leg.
 
-    Its variables are, segment by segment, the pose (x, y, heading) where it starts (but for the
-    first), for each of the signs 1 (left) and -1 (right) its length of turning, and that of going
-    straight. A segment's
-    equations: that it ends at the next pose; that it is as long as the one before it, if those of a
-    leg are equally long; and the last of a leg at the point. The last two are those of the end.
+    Its parameters are the points and, if `final`, the final heading. Each segment has these
+    variables:
+
+    - The pose (x, y, heading) where it starts, but not for the first segment.
+    - For each of the signs 1 (left) and -1 (right), the length of its turn.
+    - The length of its straight.
+
+    The equations of a segment are:
+
+    - It ends at the next pose.
+    - It is as long as the one before it, if those of a leg are equally long.
+    - The last segment of a leg ends at the point. The last two equations are those of the end.
     """
     import casadi as ca
 

@@ -1,4 +1,7 @@
-"""What all transcriptions of problem (2.2) share: settings, initial guesses, search, answer."""
+"""The common part of all transcriptions of problem (2.2).
+
+It has their settings, initial guesses, search and answer.
+"""
 
 from __future__ import annotations
 
@@ -45,20 +48,26 @@ from dubins_study.study.path import Path
 from dubins_study.study.scenario import Pose
 from dubins_study.study.words import IN_ORDER, Claim
 
-_ARRIVED = 1e-8  # radii; a hundredth of what the check allows
+_ARRIVED = 1e-8  # radii; a hundredth of the miss that the check allows
 _ROUNDED = 32 * math.ulp(1.0)  # of the target's distance
-_SAME = 1e-6  # relative; of two answers this near, one that its engine calls a solution is taken
+_SAME = 1e-6  # relative; among answers this close, one that its engine calls a solution is taken
 
 
 class Guess(NamedTuple):
-    """An initial guess, and the word whose shape it has, or its kind, or `warm`."""
+    """An initial guess and its name.
+
+    `subproblem` is the word whose shape the guess has, or the guess's kind, or `warm`.
+    """
 
     subproblem: str
     elements: Elements
     begins: FloatArray | None = None  # poses where legs begin, shape (legs, 3); None: at their ends
 
     def states(self, legs: int, fraction: FloatArray) -> FloatArray:
-        """Poses in each of the N elements at fractions (k,) of it, shape (N k, 3)."""
+        """Poses within the N elements, shape (N k, 3).
+
+        In each element they lie at `fraction` (k,) of its length.
+        """
         rate, length = (
             each.reshape(legs, -1) for each in (self.elements.rate, self.elements.length)
         )
@@ -74,22 +83,31 @@ class Guess(NamedTuple):
 
 
 class Transcribed(NamedTuple):
-    """An engine's solution of a transcription; the duals (2,) are those of the end point."""
+    """An engine's solution of a transcription.
+
+    The duals (2,) are those of the end point.
+    """
 
     elements: Elements
     native: EngineResult
 
 
 def transcribed(elements: Elements, result: EngineResult) -> Transcribed:
-    """The solution of a program whose last two equations are those of the end point."""
+    """The solution of a program by an engine.
+
+    The program's last two equations are those of the end point.
+    """
     duals = None if result.duals is None else result.duals[-2:]
     return Transcribed(elements, result._replace(duals=duals))
 
 
 class Template(NamedTuple):
-    """A transcription of a course in body coordinates, compiled."""
+    """A compiled transcription of a course.
 
-    # of its leg's length that the n elements of a leg have, shape (legs, n); None if free
+    The course is in body coordinates.
+    """
+
+    # of the leg's length, one for each of its n elements, shape (legs, n); None if free
     shares: FloatArray | None
     # from a guess, within the rates, until a time (s, on `perf_counter`)
     solve: Callable[[Guess, Rates, float], Transcribed]
@@ -106,13 +124,15 @@ class PosedCourse(NamedTuple):
 
 @dataclass(frozen=True)
 class Transcription(EngineSolver):
-    """Problem (2.2) of the paper over n elements a leg, each of one turn rate; a phase a leg.
+    """Problem (2.2) over n elements a leg.
 
-    The engine's controls are integrated exactly; where the path misses by the transcription's own
-    error or the engine's tolerance, a last correction removes the miss. `LS` and `RS` forbid
-    turning the other way. For `best` of one leg with a free final heading, the engine starts from
-    the shape of every word, and the shortest path is the answer; a route, or a leg with a final
-    heading, has one guess that knows no word.
+    Each element has one turn rate, and each leg is a phase.
+
+    The engine's controls are integrated exactly. The path may miss by the transcription's own error
+    or the engine's tolerance; a last correction removes this miss. `LS` and `RS` forbid turning the
+    other way. For `best` of one leg with a free final heading, the engine starts from the shape of
+    every word, and the shortest path is the answer. A route, or a leg with a final heading, has one
+    guess that knows no word.
 
     Args:
         n: number of elements of a leg.
@@ -138,7 +158,7 @@ class Transcription(EngineSolver):
     keeps_limit = False  # compiling takes seconds for hundreds of legs
 
     def template(self, course: Course) -> Template:
-        """The transcription of a course, compiled."""
+        """Compile the transcription of a course."""
         raise NotImplementedError
 
     def build(self, question: Question) -> PosedCourse:
@@ -151,7 +171,7 @@ class Transcription(EngineSolver):
         if there := at_start(question.scenario, course.target, rounding):
             return there
         if self.initial_guess == "words" and course.target is None:
-            # those of a route's legs are known from the closed form only
+            # only the closed form knows the words of a route's legs
             message = "the guess `words` is of one leg with a free final heading"
             return Solution(Claim.FAILED, message=message)
         until = perf_counter() + limit
@@ -163,7 +183,7 @@ class Transcription(EngineSolver):
     def _run(self, model: PosedCourse, guess: Guess, until: float) -> Run[Elements]:
         began, course = perf_counter(), model.course
         elements, native = model.template.solve(guess, model.rates, until)
-        # what is optimal for a transcription is not proven for the problem itself
+        # a path that is optimal for a transcription is not proven for the problem itself
         claim = Claim.LOCAL if native.claim is Claim.OPTIMAL else native.claim
         missed, off, rollouts = math.inf, math.inf, 0
         if not (np.isfinite(elements.turn).all() and np.isfinite(elements.length).all()):
@@ -187,7 +207,9 @@ class Transcription(EngineSolver):
 
 @dataclass(frozen=True)
 class NlpTranscription(Transcription):
-    """A transcription into one nonlinear program; other settings: `Transcription`.
+    """A transcription into one nonlinear program.
+
+    Other settings: `Transcription`.
 
     Args:
         engine: a name in `solvers.engines` of the kind `local NLP`, or the name of an executable
@@ -220,9 +242,10 @@ def _arrives(off: float, course: Course) -> bool:
 
 
 def _answer(model: PosedCourse, runs: list[Run[Elements]], in_time: bool) -> Solution:
-    """The shortest run that arrives, or else the one that misses least.
+    """The answer of all runs.
 
-    Of equally short runs one that the engine calls a solution goes first.
+    It is the shortest run that arrives, or else the one that misses least. Among equally short runs
+    one that the engine calls a solution goes first.
     """
     if not runs:
         return nothing_found(runs)
@@ -266,15 +289,21 @@ _SAMPLES = 200  # a leg, of a path that is cut where it is nearest to the points
 
 
 def trials(model: PosedCourse, solver: Transcription) -> Iterator[Iterator[Guess]]:
-    """Initial guesses by a solver's settings, subproblem by subproblem.
+    """Initial guesses of a solver's settings, subproblem by subproblem.
 
     The question's own path goes first if it can be driven: among the guesses of the word that is
-    asked for, or alone if the branch is `best`. The others (`initial_guesses.INITIAL_GUESSES`) are:
-    `bearing`: of one leg with a free final heading shaped like each of the words, elsewhere as
-    `one`: at each point one turn toward the next, and a straight; `straight`: poses on the lines
-    between the points; `zero`: no turn and no length (AMPL's default); `random`: within the rates,
-    each leg up to twice its points' distance, a turning circle's length and its diameter long.
-    `given` is the question's own path only, if there is one.
+    asked for, or alone if the branch is `best`. The other guesses, by kind
+    (`initial_guesses.INITIAL_GUESSES`):
+
+    - `bearing`: for one leg with a free final heading, shaped like each of the words; elsewhere as
+      `one`.
+    - `one`: at each point one turn toward the next, and a straight.
+    - `words`: the first guess of `bearing` for each word.
+    - `straight`: poses on the lines between the points.
+    - `zero`: no turn and no length (AMPL's default).
+    - `random`: within the rates; each leg is up to twice its points' distance, a turning circle's
+      length and its diameter long.
+    - `given`: the question's own path only, if there is one.
     """
     question, course, _, template = model
     shares, name, n = template.shares, solver.initial_guess, solver.n
@@ -314,14 +343,20 @@ def trials(model: PosedCourse, solver: Transcription) -> Iterator[Iterator[Guess
 
 
 def _cut_legs(paths: Sequence[Path], n: int, shares: FloatArray | None) -> Elements:
-    """The paths of legs, each from heading 0, as elements."""
+    """The paths of legs as elements.
+
+    Each path begins at heading 0.
+    """
     of_legs = shares if shares is not None else [None] * len(paths)
     legs = [cut(path, n, share) for path, share in zip(paths, of_legs, strict=True)]
     return Elements(*map(np.concatenate, zip(*legs, strict=True)))
 
 
 def _straight(course: Course, n: int, shares: FloatArray | None) -> Guess:
-    """Straights from point to point, which turn on the spot at the points."""
+    """The guess of straights from point to point.
+
+    The vehicle turns on the spot at the points.
+    """
     ends = np.cumsum(course.steps, axis=0)
     share = np.full((course.legs, n), 1 / n) if shares is None else shares
     length = (share * np.hypot(*course.steps.T)[:, None]).ravel()
@@ -344,7 +379,11 @@ def _random(model: PosedCourse, solver: Transcription) -> Iterator[Guess]:
 
 
 def _given(question: Question, course: Course, n: int, shares: FloatArray | None) -> list[Guess]:
-    """The question's path, cut where it is nearest to the points in turn, if it can be driven."""
+    """The question's own path as a guess.
+
+    It is cut where it is nearest to the points in turn. The list is empty if there is no path, or
+    if it cannot be driven.
+    """
     path = question.guess_in_radii
     if path is None:
         return []

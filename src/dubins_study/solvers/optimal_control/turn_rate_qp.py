@@ -1,4 +1,7 @@
-"""`turn-rate-qp`: the optimal-control problem cut into turn rates, solved as a sequence of QPs."""
+"""`turn-rate-qp`: optimal control by a sequence of QPs.
+
+The unknowns are turn rates.
+"""
 
 from __future__ import annotations
 
@@ -44,9 +47,11 @@ from dubins_study.study.words import QP, Claim
 
 @dataclass(frozen=True)
 class TurnRateQp(Transcription):
-    """Problem (2.2) of the paper with n turn rates a leg, each held for a given part of its length.
+    """Problem (2.2) with n turn rates a leg.
 
-    Every step is an exact arc, so the path can be driven; it is the best of its n steps, not of
+    Each rate is held for a given part of the leg's length.
+
+    Every step is an exact arc, so the path can be driven. It is the best path of n steps, not of
     all paths. Other settings: `Transcription`.
 
     Args:
@@ -56,7 +61,7 @@ class TurnRateQp(Transcription):
             circle's length at the start of the leg, where the path turns.
         tolerance: a sequence has converged when a QP promises less than this times the length.
         max_qps: most QPs from one initial guess.
-        options: whose choice the QP engine's options are, `equal`, `default` or `tuned`
+        options: the set of the QP engine's options: `equal`, `default` or `tuned`
             (docs/engines.md).
     """
 
@@ -98,7 +103,9 @@ _LEAST_CURVATURE = 1e-6  # makes the QP's answer unique where the Lagrangian is 
 
 
 class Sequence:
-    """Sl1QP with a trust region (Fletcher 1987, Practical Methods of Optimization, sec. 14.4).
+    """Sl1QP with a trust region.
+
+    Fletcher 1987, Practical Methods of Optimization, sec. 14.4.
 
     The QP's curvature c_k is the Lagrangian's second derivative by the headings, lumped on the
     diagonal: the part of step k's chord along the multiplier. A negative one (the chord leads
@@ -113,7 +120,10 @@ class Sequence:
         self.rates, self.course, self.deadline = rates, course, deadline
 
     def run(self, guess: Elements) -> Transcribed:
-        """Solve from one initial guess; QPs count as iterations, rollouts as evaluations."""
+        """Solve from one initial guess.
+
+        QPs count as iterations, rollouts as evaluations.
+        """
         self.restored = False
         self.qp.memory.clear()  # no answer depends on an earlier question
         self._begin(guess.within(self.rates))
@@ -158,7 +168,7 @@ class Sequence:
         self.duals = np.column_stack([np.cos(ends), np.sin(ends)])
 
     def _ask(self) -> QpAnswer:
-        """Write the linearisation at the present point into the QP, and solve it."""
+        """Linearise at the present point and solve the QP."""
         now, rolled, legs = self.now, self.rolled, self.course.legs
         self.scale = scale = now.total / legs
         self.unit = unit = min(1.0, scale)  # a short path's headings change by about its length
@@ -197,7 +207,10 @@ class Sequence:
         return elements.total + self.penalty * (gaps + abs(turn_left(elements, self.course)))
 
     def _advance(self, answer: QpAnswer) -> bool:
-        """Take the QP's step if it lowers the merit function; True if there is nothing to gain."""
+        """Take the QP's step if the merit function falls.
+
+        Returns True if there is nothing to gain.
+        """
         before = self._merit(self.now, self.rolled)
         promised = before - self.now.total - self.scale * answer.value
         growth = np.repeat(1.0 + answer.t, self.now.length.size // answer.t.size)
@@ -228,10 +241,10 @@ class Sequence:
         return off <= max(_ARRIVED * self.now.total, CLOSE)
 
     def _raise_penalty(self) -> bool:
-        """Raise the penalty on missing the target; False if it is at its largest.
+        """Raise the penalty on missing the target.
 
-        It is exact only above the multipliers, which have no bound where the second arc of RL or LR
-        nears pi.
+        Returns False if it is at its largest. The penalty is exact only above the multipliers,
+        which have no bound where the second arc of RL or LR nears pi.
         """
         if self.penalty >= _LARGEST_PENALTY:
             return False
@@ -240,7 +253,11 @@ class Sequence:
         return True
 
     def _restore(self) -> bool:
-        """Restart once from a path that arrives, where no small change comes nearer; else False."""
+        """Restart once from a path that arrives.
+
+        This helps where no small change comes nearer. Returns False if the sequence has restarted
+        before, or if no such path is found.
+        """
         if self.restored:
             return False
         self.restored = True
@@ -252,7 +269,10 @@ class Sequence:
         return True
 
     def _adapt(self, answer: QpAnswer, ratio: float) -> None:
-        """Adapt the trust region and the curvature to the ratio of gain to predicted gain."""
+        """Adapt the trust region and the curvature.
+
+        `ratio` is the gain over the predicted gain.
+        """
         turned, stretched = self.unit * float(np.abs(answer.z).max()), float(np.abs(answer.t).max())
         if ratio > 0.75 and max(turned, 2 * stretched) > 0.9 * self.reach:
             self.reach = min(2 * self.reach, 4.0)

@@ -1,4 +1,7 @@
-"""The QP of `turn-rate-qp`: stated in cvxpy, compiled once, solved for many sets of numbers."""
+"""The QP of `turn-rate-qp`, compiled once.
+
+It is stated in cvxpy and solved for many sets of numbers.
+"""
 
 from __future__ import annotations
 
@@ -14,9 +17,11 @@ from dubins_study.study.arrays import FloatArray
 
 
 class QpAnswer(NamedTuple):
-    """A QP's solution: changes of headings z (N,) and lengths t (legs,), duals (legs, 2), value.
+    """A QP's solution.
 
-    `slack` is the sum of the slacks; `solved` is False if the engine stopped at a limit.
+    It has the changes of the headings z (N,) and of the lengths t (legs,), the duals (legs, 2) and
+    the objective's value. `slack` is the sum of the slacks. `solved` is False if the engine stopped
+    at a limit.
     """
 
     z: FloatArray
@@ -28,11 +33,17 @@ class QpAnswer(NamedTuple):
 
 
 class EngineError(RuntimeError):
-    """The QP engine gave no usable answer; the message is the engine's."""
+    """The QP engine gave no usable answer.
+
+    The message is the engine's.
+    """
 
 
 class Numbers(NamedTuple):
-    """The numbers of a QP with N steps; scalars are arrays of shape (1,)."""
+    """The numbers of a QP with N steps.
+
+    Scalars are arrays of shape (1,).
+    """
 
     G: FloatArray  # (2, N)
     P: FloatArray  # (2, legs), like q and r
@@ -51,14 +62,14 @@ class Numbers(NamedTuple):
     r_h: FloatArray
 
 
-_MARK = 1000.0  # more than any other number in a compiled QP
+_MARK = 1000.0  # larger than any other number in a compiled QP
 
 
 class QpTemplate:
-    """The QP for n steps a leg, N in all, a final heading or none, and an engine.
+    """The compiled QP for n steps a leg.
 
-    A leg's length changes by its part t of itself; headings are in units that the caller chooses,
-    lengths in those of the caller too:
+    There are N steps in all, a final heading or none, and one engine. A leg's length changes by its
+    part t of itself. Headings and lengths are in units that the caller chooses:
 
         minimise    sum_i w_i t_i + 1/2 sum_k c_k z_k^2 + penalty * sum(s)
         subject to  sum_k G_k z_k + P_i z_before + q_i t_i + s_+ - s_- = r_i,  s >= 0
@@ -67,14 +78,14 @@ class QpTemplate:
                     h z_N + s_+ - s_- = r_h                  the final heading, if one is given
                     |z_k| <= reach,  |t_i| <= stretch        the trust region
 
-    The first equation, two a leg, says where the leg leads, linearised; its z are those of its own
-    steps, and the one before them.
+    The first equation, two a leg, is the linearised end of the leg. Its z are those of the leg's
+    own steps, and the one before them.
 
-    cvxpy takes 1.2 ms at n = 50 to state the problem for new numbers, six times what PIQP needs to
-    solve it; with cvxpy's parameters it takes gigabytes to compile 200 legs. Here the problem is
-    compiled once, for numbers that tell which they are: an entry of the engine's matrices that is
-    as large is one of these, or its negative. New numbers are written straight into the engine's
-    arrays.
+    cvxpy takes 1.2 ms at n = 50 to state the problem for new numbers, six times the time in which
+    PIQP solves it. With cvxpy's parameters it takes gigabytes to compile 200 legs. Here the problem
+    is compiled once, for marks: large numbers, each of its own size. An entry of the engine's
+    matrices that is as large as a mark is this mark, or its negative. New numbers are later written
+    to these places, straight into the engine's arrays.
     """
 
     def __init__(self, n: int, legs: int, final: bool, engine: str) -> None:
@@ -84,7 +95,7 @@ class QpTemplate:
         self.z, self.t = cp.Variable(N), cp.Variable(legs)
         self.s = cp.Variable((4, legs))
         self.s_h = cp.Variable(2 if final else 0)
-        # of the numbers, in their order
+        # the shapes of the numbers, in their order
         shapes = [(2, N), *[(2, legs)] * 3, (legs,), *[(N,)] * 5, *[(1,)] * 5]
         ends = np.cumsum([np.prod(shape) for shape in shapes])
         parts = np.split(_MARK + np.arange(ends[-1]), ends[:-1])
@@ -103,7 +114,10 @@ class QpTemplate:
         self.memory: dict[str, Any] = {}  # the engine's, from one QP to the next
 
     def stated(self, p: Numbers) -> tuple[Any, list[Any]]:
-        """The problem in cvxpy for these numbers, and its first two equations."""
+        """The problem in cvxpy for these numbers.
+
+        Returns also its first two equations.
+        """
         import cvxpy as cp
 
         n, legs = self.n, self.legs
@@ -159,7 +173,10 @@ class QpTemplate:
         return self.chain.invert(raw, self.inverse)
 
     def solve(self, numbers: Numbers, options: OptionValues, seconds: float) -> QpAnswer:
-        """Solve the QP for these numbers; an EngineError if there is no answer."""
+        """Solve the QP for these numbers.
+
+        Raises an EngineError if there is no answer.
+        """
         import cvxpy as cp
 
         # PIQP has no limit of time; its 250 iterations are short enough
@@ -186,7 +203,10 @@ class QpTemplate:
 
 
 def _values(array: Any) -> Any:
-    """A writable view of the floating-point numbers of a dense or sparse array; else None."""
+    """The floating-point numbers of an array, as a view.
+
+    The array is dense or sparse, and the view is writable. None if it has no such numbers.
+    """
     values = array.data if issparse(array) else array
     floats = isinstance(values, np.ndarray) and values.dtype == np.float64
     return values if floats and values.size else None
@@ -194,5 +214,8 @@ def _values(array: Any) -> Any:
 
 @lru_cache(maxsize=32)
 def template(n: int, legs: int, final: bool, engine: str) -> QpTemplate:
-    """The compiled QP; kept, since compiling takes as long as many solves."""
+    """The compiled QP.
+
+    It is kept, since compiling takes as long as many solves.
+    """
     return QpTemplate(n, legs, final, engine)

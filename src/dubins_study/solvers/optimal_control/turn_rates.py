@@ -1,4 +1,7 @@
-"""`turn-rates`: the optimal-control problem over turn rates alone, as one nonlinear program."""
+"""`turn-rates`: optimal control over turn rates alone.
+
+It is one nonlinear program.
+"""
 
 from __future__ import annotations
 
@@ -36,11 +39,13 @@ _DETOUR = 4 * math.pi
 
 @dataclass(frozen=True)
 class TurnRates(NlpTranscription):
-    """Problem (2.2) with n turn rates and the length of a leg; other settings: `NlpTranscription`.
+    """Problem (2.2) over turn rates and legs' lengths.
+
+    Each leg has n turn rates. Other settings: `NlpTranscription`.
 
     Single shooting: the path is driven from the start to its end (`arcs.chord`), so that the
-    equations are those of the points and of a final heading only. Steps so long that they could
-    turn by more than half a circle get a smaller bound.
+    equations are those of the points and of a final heading only. A step that could turn by more
+    than half a circle has a smaller bound.
 
     Args:
         engine: a name in `solvers.engines` of the kind `local NLP`; no executable, since the files
@@ -91,7 +96,9 @@ class TurnRates(NlpTranscription):
 
 @lru_cache(maxsize=32)
 def expressions(n: int, legs: int, final: bool) -> Expressions:
-    """The program over the turn rates (N,) and the legs' lengths (legs,).
+    """The program over turn rates and legs' lengths.
+
+    The turn rates have shape (N,), the lengths (legs,).
 
     Its parameters are the points (2 legs,), the `final` heading, and the steps' shares (N,) of
     their leg's length. The last two equations are those of the end point.

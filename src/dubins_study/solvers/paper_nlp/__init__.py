@@ -1,1 +1,4 @@
-"""The paper's model (4.12) as a nonlinear program: `nlp`, and its presets `slsqp` and `ipopt`."""
+"""The paper's model (4.12) as a nonlinear program.
+
+The solvers are `nlp`, and its presets `slsqp` and `ipopt`.
+"""

@@ -1,4 +1,7 @@
-"""Cases of the paper's model (4.12) as programs for NLP engines, in the free lengths alone."""
+"""Cases of the paper's model (4.12) as programs.
+
+They are for NLP engines, in the free lengths alone.
+"""
 
 from __future__ import annotations
 
@@ -28,8 +31,8 @@ Solve = Callable[[Case, FloatArray, float], EngineResult]
 def program(case: Case) -> Program:
     """The program of a case.
 
-    Its variables are the free lengths in the case's unit, shape (n,), its parameters the target (X,
-    Y), and the radius where the unit is another.
+    Its variables are the free lengths in the case's unit, shape (n,). Its parameters are the target
+    (X, Y), and the radius if the unit is not the radius.
     """
     X, Y, _ = case.target
     free, unit = case.subproblem.free, case.unit
@@ -46,7 +49,10 @@ def program(case: Case) -> Program:
 
 
 def solve(case: Case, guess: FloatArray, seconds: float, engine: NlpCall) -> EngineResult:
-    """The point z that an engine reaches from `guess`, both of shape (3,), in so many seconds."""
+    """The point z that an engine reaches from `guess`.
+
+    Both have shape (3,). The engine stops after `seconds`.
+    """
     free = list(case.subproblem.free)
     result = engine(program(case), case.unit * guess[free], seconds)
     z = np.full(3, np.nan if np.isnan(result.x).all() else 0.0)  # NaN where there is no point
@@ -55,7 +61,10 @@ def solve(case: Case, guess: FloatArray, seconds: float, engine: NlpCall) -> Eng
 
 
 def measured(solve: Solve) -> Solve:
-    """What solves a case, whose result can tell the slope of the violation at its point."""
+    """A function that solves a case and measures violations.
+
+    Its result can compute the slope of the violation at its point.
+    """
 
     def run(case: Case, guess: FloatArray, seconds: float) -> EngineResult:
         result = solve(case, guess, seconds)
@@ -67,7 +76,10 @@ def measured(solve: Solve) -> Solve:
 
 @cache
 def expressions(free: tuple[int, ...], scaled: bool) -> Expressions:
-    """Model (4.12) with only the `free` lengths of z; the radius is a parameter if `scaled`."""
+    """Model (4.12) with only the `free` lengths of z.
+
+    The radius is a parameter if `scaled`.
+    """
     import casadi
 
     x = casadi.SX.sym("z", len(free))
@@ -79,14 +91,20 @@ def expressions(free: tuple[int, ...], scaled: bool) -> Expressions:
 
 
 def _written(case: Case) -> Functions:
-    """The functions written by hand, for the unit of one radius."""
+    """The functions written by hand.
+
+    Their unit is one radius.
+    """
     X, Y, _ = case.target
     free = case.subproblem.free
     ones = np.ones(len(free))
     places = slice(free[0], free[-1] + 1, free[1] - free[0])
 
     def lengths(z: FloatArray) -> list[float]:
-        """All three, as Python's own numbers, with which sums are five times as quick."""
+        """All three lengths, as Python's own numbers.
+
+        Sums of these are five times as quick.
+        """
         full = [0.0, 0.0, 0.0]
         full[places] = z.tolist()
         return full

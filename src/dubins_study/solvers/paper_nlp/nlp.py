@@ -1,8 +1,8 @@
-"""The paper's model (4.12) by local NLP engines: `nlp` by any, and two presets of it.
+"""The paper's model (4.12) by local NLP engines.
 
-`slsqp` names its settings as SciPy does; `ipopt` reads the model in Pyomo, as the paper's authors
-solved it. An executable is looked up on PATH by its name and run as AMPL runs it
-(`nlp_engines.ampl`).
+`nlp` takes any of them. `slsqp` and `ipopt` are presets of it: `slsqp` names its settings as SciPy
+does; `ipopt` reads the model in Pyomo, as the paper's authors solved it. An executable is looked up
+on PATH by its name and run as AMPL runs it (`nlp_engines.ampl`).
 """
 
 from __future__ import annotations
@@ -52,7 +52,10 @@ from dubins_study.study.words import BRANCHES, NLP
 
 
 class PosedNlp(NamedTuple):
-    """A question, translated for `solve`, and what solves its cases."""
+    """A question, translated for `solve`.
+
+    `adapter` solves its cases.
+    """
 
     leg: PosedLeg
     adapter: Solve
@@ -72,8 +75,7 @@ class PaperNlp(EngineSolver):
         count: number of random guesses.
         capped: whether arcs are bounded by a full turn, which the paper does not do.
         presolve: whether words that cannot exist are left out (`solvers.presolve`).
-        options: whose choice the engine's options are, `equal`, `default` or `tuned`
-            (docs/engines.md).
+        options: the set of the engine's options: `equal`, `default` or `tuned` (docs/engines.md).
     """
 
     model: str = one_of("words", MODELS)
@@ -102,7 +104,7 @@ class PaperNlp(EngineSolver):
         return self.library.method(posed, self.initial_guess, self.options, tol)
 
     def adapter(self) -> Solve:
-        """The function that solves one case from one initial guess."""
+        """The function that solves one case from one guess."""
         tol, max_iter = (getattr(self, name) for name in self.limits)
         return partial(solve, engine=self.library.load()(tol, max_iter, self.options))
 
@@ -129,7 +131,9 @@ class PaperNlp(EngineSolver):
 
 @dataclass(frozen=True)
 class Slsqp(PaperNlp):
-    """Model (4.12) by SLSQP; settings that are not explained here: `PaperNlp`.
+    """Model (4.12) by SLSQP.
+
+    The other settings: `PaperNlp`.
 
     Args:
         ftol: SLSQP's tolerance on the objective and the sum of constraint violations, in radii; 0
@@ -156,7 +160,9 @@ class Slsqp(PaperNlp):
 
 @dataclass(frozen=True)
 class Ipopt(PaperNlp):
-    """Model (4.12) in Pyomo by Ipopt; settings that are not explained here: `PaperNlp`.
+    """Model (4.12) in Pyomo by Ipopt.
+
+    The other settings: `PaperNlp`.
 
     Args:
         tol: Ipopt's tolerances; 0 for those of `options`.
@@ -190,7 +196,9 @@ _ENGINES = names(NLP)
 
 @dataclass(frozen=True)
 class _Named(EngineSolver):
-    """The setting that a canonical spec names before those of `PaperNlp`.
+    """The setting `engine`, declared apart.
+
+    A canonical spec names it before the settings of `PaperNlp`.
 
     Args:
         engine: a name in `solvers.engines` of the kind `local NLP`, or the name of an executable on
@@ -202,11 +210,13 @@ class _Named(EngineSolver):
 
 @dataclass(frozen=True)
 class Nlp(PaperNlp, _Named):
-    """Model (4.12) by one of many NLP engines; settings not explained here: `PaperNlp`.
+    """Model (4.12) by one of many NLP engines.
+
+    The other settings: `PaperNlp`.
 
     Args:
-        options: whose choice the options of an engine of the table are, `equal`, `default` or
-            `tuned` (docs/engines.md); KNITRO runs with its defaults, as in the paper.
+        options: the set of the engine's options: `equal`, `default` or `tuned` (docs/engines.md).
+            KNITRO runs with its defaults, as in the paper.
         tol: the feasibility, and with most engines the optimality, that is asked for; 0 for that of
             `options`.
         max_iter: largest number of iterations; 0 for that of `options`.

@@ -1,4 +1,7 @@
-"""Cases of the paper's model (4.12) in Pyomo: for Ipopt and for KNITRO."""
+"""Cases of the paper's model (4.12) in Pyomo.
+
+They are for Ipopt and for KNITRO.
+"""
 
 from __future__ import annotations
 
@@ -19,9 +22,10 @@ from dubins_study.study.words import DENIALS, Claim
 
 
 def pyomo_model(units: str = "radius") -> Any:
-    """Model (4.12) in Pyomo: z[1..3] >= 0 and the target as variables X, Y to be fixed.
+    """Model (4.12) in Pyomo.
 
-    In the scenario's unit, as in the paper, the radius R = 1 / b is one more.
+    Its variables are z[1..3] >= 0, and the target as variables X, Y to be fixed. In the scenario's
+    unit, as in the paper, the radius R = 1 / b is one more variable.
     """
     from pyomo import environ
 
@@ -43,10 +47,10 @@ def pyomo_model(units: str = "radius") -> Any:
 
 @lru_cache(maxsize=64)
 def ipopt_in_pyomo(options: tuple[tuple[str, Any], ...], units: str) -> Solve:
-    """Ipopt on Pyomo's model, whose NL file is written once.
+    """A function that solves cases by Ipopt in Pyomo.
 
-    The target is two variables, and the radius one more in the scenario's `units`, that each case
-    fixes through their bounds.
+    The model's NL file is written once. The target is two variables that each case fixes through
+    their bounds. In the scenario's `units` the radius is one more.
     """
     model = pyomo_model(units)
     scaled = units == "scenario"
@@ -73,7 +77,10 @@ _shared_model = cache(pyomo_model)
 
 
 def posed(case: Case, guess: FloatArray) -> Any:
-    """The Pyomo model of a subproblem, its free lengths at `guess`, shape (3,)."""
+    """The Pyomo model of a subproblem.
+
+    Its free lengths are at `guess`, shape (3,).
+    """
     model = _shared_model()
     for i, z in enumerate(model.z.values()):
         z.setub(case.upper[i] if math.isfinite(case.upper[i]) else None)
@@ -86,7 +93,10 @@ def posed(case: Case, guess: FloatArray) -> Any:
 
 @cache  # a licence may be a seat at a server that takes its time to answer
 def unlicensed() -> str | None:
-    """Why KNITRO cannot solve here although it is installed, or None."""
+    """The reason why KNITRO cannot solve here, or None.
+
+    KNITRO is installed, but a licence may be missing.
+    """
     if _interface("knitro_direct").available():
         return None
     return "knitro is installed, but no licence was found (its wheel installs without one)"
@@ -100,7 +110,10 @@ def _interface(name: str) -> Any:
 
 
 def solve_in_pyomo(case: Case, guess: FloatArray, seconds: float, interface: str) -> EngineResult:
-    """The point that one of Pyomo's solver interfaces reaches from `guess`, shape (3,)."""
+    """The point that one of Pyomo's interfaces reaches.
+
+    The solver starts from `guess`, shape (3,).
+    """
     from pyomo.common.errors import ApplicationError, PyomoException
 
     model = posed(case, guess)
@@ -133,14 +146,17 @@ def solve_in_pyomo(case: Case, guess: FloatArray, seconds: float, interface: str
 def _ended(
     model: Any, loader: Any, claim: Claim, status: str, message: str, iterations: int | None = None
 ) -> EngineResult:
-    """The end of a run whose point and duals one of Pyomo's loaders has, if there are any."""
+    """The end of a run.
+
+    Its point and its duals come from one of Pyomo's loaders, if there are any.
+    """
     from pyomo.common.errors import PyomoException
 
     free = [z for z in model.z.values() if not z.fixed]
     try:
         values = loader.get_vars(free)
     except (PyomoException, AssertionError, LookupError):
-        # each loader has its own way to say that there is no point, which some claims do not need
+        # each loader reports a missing point in its own way; some claims need no point
         pointless = claim if claim in (*DENIALS, Claim.LIMIT) else Claim.FAILED
         return no_point(3, pointless, status, message)
     z = np.array([0.0 if z.fixed else values[z] for z in model.z.values()])

@@ -1,1 +1,4 @@
-"""Solvers of routes: several legs, with a final heading or without."""
+"""Solvers of routes.
+
+A route has several legs, with a final heading or without.
+"""

@@ -1,6 +1,7 @@
-"""`heading-grid`: the headings at the points on a grid, chosen by a dynamic program over layers.
+"""`heading-grid`: headings on a grid, by a dynamic program.
 
-The baseline of routes: what one would write first. The legs are the closed form's.
+The program goes over layers of headings at the points. It is the simple baseline of routes. The
+legs are the closed form's.
 """
 
 from __future__ import annotations
@@ -19,7 +20,9 @@ from dubins_study.study.words import IN_ORDER
 
 @dataclass(frozen=True)
 class HeadingGrid(OrderFirst):
-    """Headings on a grid, exact legs between them; the best of that grid, which nothing bounds.
+    """Headings on a grid, exact legs between them.
+
+    The path is the best of that grid; no bound is proved.
 
     Args:
         headings: number of headings at each point.

@@ -1,8 +1,9 @@
-"""`heading-milp`: the headings at the points on a grid, chosen by a mixed-integer linear program.
+"""`heading-milp`: headings on a grid, by a MILP.
 
-With exact legs between any two headings of the grid, this is a shortest path through layers, whose
-linear relaxation is integral: an engine has nothing to branch on. So it is a check of what engines
-make of the easiest of integer programs, and of what a grid costs. The legs are the closed form's.
+With exact legs between any two headings of the grid, this is a shortest path through layers. Its
+linear relaxation is integral, so an engine has nothing to branch on. The solver therefore shows how
+engines do on the easiest of integer programs, and the cost of a grid. The legs are the closed
+form's.
 """
 
 from __future__ import annotations
@@ -28,10 +29,10 @@ _ENGINES = ("highs", *(name for name in MINLP_ENGINES if name != "maingo"))
 
 @dataclass(frozen=True)
 class HeadingMilp(EngineSolver):
-    """Headings on a grid, exact legs between them; optimal on that grid.
+    """Headings on a grid, exact legs between them.
 
-    A binary for each leg between two headings. The optimum and the engine's bound are those of the
-    grid, so that the row carries no bound.
+    The path is optimal on that grid. There is a binary for each leg between two headings. The
+    optimum and the engine's bound are those of the grid, so that the row carries no bound.
 
     Args:
         headings: number of headings at each point.

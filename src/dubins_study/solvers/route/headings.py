@@ -1,7 +1,8 @@
-"""`headings`: one unknown a point, the heading there; the length is the sum of exact shortest legs.
+"""`headings`: the heading at each point is an unknown.
 
-The sum has a kink where the shortest word of a leg changes, and jumps where points are less than 4
-radii apart. A path of any headings passes all points, so that every answer is one.
+The length is the sum of exact shortest legs. It has a kink where the shortest word of a leg
+changes. It jumps where points are less than 4 radii apart. A path of any headings passes all
+points, so that every set of headings is an answer.
 """
 
 from __future__ import annotations
@@ -55,7 +56,9 @@ Trace = list[tuple[int, FloatArray]]  # evaluations until then, and the best poi
 
 @dataclass(frozen=True)
 class Headings(SearchSolver):
-    """The headings at the points of a route, by engines that search or go downhill.
+    """The headings at the points of a route.
+
+    Engines search for them or go downhill.
 
     Args:
         engine: a name in `solvers.engines` of a kind that searches, or of one of nonlinear programs
@@ -65,7 +68,7 @@ class Headings(SearchSolver):
         count: number of random guesses.
         seed: of all random numbers, together with the question's repeat.
         options, tol, max_iter: as those of `nlp`; searches take no limits but `evaluations`.
-        evaluations: of the length, at most, for each search; 0 for the engine's default
+        evaluations: most evaluations of the length in a search; 0 for the engine's default
             (`solvers.engines`) times the number of unknown headings, at most 100 000.
         restarts: whether a search that ends earlier begins anew until the evaluations are spent.
         trace: whether the best headings so far are kept, with the evaluations that found them.
@@ -126,7 +129,10 @@ class Headings(SearchSolver):
     def _runs(
         self, route: Route, repeat: int, until: float, trace: Trace
     ) -> Iterator[Run[FloatArray]]:
-        """Runs of the engine, which add to the trace; a point has the unknown headings, (k,)."""
+        """Runs of the engine, which add to the trace.
+
+        A point holds the unknown headings, (k,).
+        """
         random = np.random.default_rng(self.seed + repeat)
         solve = partial(self._solved, route, random, trace)
         run = timed("headings", solve, partial(route_length, route))
@@ -147,7 +153,10 @@ class Headings(SearchSolver):
         guess: FloatArray,
         seconds: float,
     ) -> EngineResult:
-        """The unknown headings, (k,), that the engine reaches from a guess."""
+        """Run the engine from a guess.
+
+        The guess and the result hold the unknown headings, (k,).
+        """
         if route.unknowns == 0:
             message = "no heading is unknown"
             return EngineResult(guess, Claim.FEASIBLE, evaluations=1, message=message)
@@ -158,7 +167,7 @@ class Headings(SearchSolver):
     def _descend(
         self, route: Route, trace: Trace, guess: FloatArray, seconds: float
     ) -> EngineResult:
-        """The end of an engine of nonlinear programs."""
+        """Run an engine of nonlinear programs."""
         engine: NlpCall = self.library.load()(self.tol, self.max_iter, self.options)
         functions = _functions(route)
         if not self.trace:
@@ -178,9 +187,9 @@ class Headings(SearchSolver):
         guess: FloatArray,
         seconds: float,
     ) -> EngineResult:
-        """The end of a search of the box of a full turn a heading.
+        """Run a search of a box.
 
-        It is about the guess if the engine takes one.
+        The box has a full turn for each heading. It is about the guess if the engine takes one.
         """
         k, until = route.unknowns, perf_counter() + seconds
         low, begin = np.full(k, route.first), None
@@ -195,7 +204,10 @@ class Headings(SearchSolver):
 
 
 class LengthInBox:
-    """The length of a route's headings `low` + x, with x in a box of a full turn each."""
+    """A route's length as a function in a box.
+
+    The headings are `low` + x, with each x in a full turn.
+    """
 
     def __init__(self, route: Route, low: FloatArray) -> None:
         self._route, self._low = route, low
@@ -206,14 +218,20 @@ class LengthInBox:
         return route_length(self._route, self._low + free)
 
     def at_each(self, free: FloatArray) -> FloatArray:
-        """The lengths at several points, shape (k, points) -> (points,)."""
+        """The lengths at several points.
+
+        Shape (k, points) -> (points,).
+        """
         segments, _ = self._route.shortest(self._route.headings(self._low[:, None] + free))
         lengths: FloatArray = segments.sum(axis=(0, 1))
         return lengths
 
 
 def route_length(route: Route, unknown: FloatArray) -> float:
-    """The sum of the shortest legs (radii) between headings that are unknown, shape (k,)."""
+    """The length (radii) of a route.
+
+    It is the sum of the shortest legs between the headings. `unknown` has shape (k,).
+    """
     segments, _ = route.shortest(route.headings(unknown))
     return float(segments.sum())
 
@@ -224,7 +242,10 @@ def _path(scenario: Scenario, route: Route, unknown: FloatArray) -> Path:
 
 
 def _add(trace: Trace, run: CountedFunction, low: FloatArray | float) -> None:
-    """Add the trace of one more run, whose evaluations come after all those before it."""
+    """Add the trace of one more run.
+
+    Its evaluations come after all those before it.
+    """
     if run.trace:
         before = trace[-1][0] if trace else 0
         trace += [(before + count, low + point) for count, point in run.trace]
@@ -232,7 +253,11 @@ def _add(trace: Trace, run: CountedFunction, low: FloatArray | float) -> None:
 
 
 def _thinned(trace: Trace) -> Trace:
-    """The last of all points within each tenth more evaluations, the very last one included."""
+    """The trace with fewer points.
+
+    While the evaluations grow by a tenth, only the last point stays. The very last point always
+    stays.
+    """
     kept: Trace = []
     for count, point in trace:
         if len(kept) > 1 and count < 1.1 * kept[-2][0]:
@@ -242,7 +267,10 @@ def _thinned(trace: Trace) -> Trace:
 
 
 def program(route: Route, functions: Functions | None = None) -> Program:
-    """The unknown headings, unbounded, as a program without equations."""
+    """The unknown headings as a program without equations.
+
+    They have no bounds.
+    """
     k = route.unknowns
     free = np.full(k, np.inf)
     written = functions or _functions(route)
@@ -257,7 +285,10 @@ def _functions(route: Route) -> Functions:
     k = route.unknowns
 
     def derivatives(unknown: FloatArray, function: Any) -> FloatArray:
-        """What a function of a word and its segments says of each leg, shape (n, ...)."""
+        """A function's values for all legs, shape (n, ...).
+
+        It takes a leg's word and segments.
+        """
         segments, words = route.shortest(route.headings(unknown))
         legs = zip(words.tolist(), *segments.tolist(), strict=True)
         return np.array([function(*leg) for leg in legs])
@@ -269,7 +300,10 @@ def _functions(route: Route) -> Functions:
         return total[:k]
 
     def bands(unknown: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """The Hessian's diagonal and the one below: a heading is in two legs."""
+        """The Hessian's diagonal and the one below.
+
+        No other entry differs from zero, since a heading is in two legs only.
+        """
         curved = derivatives(unknown, pose_curvatures)
         diagonal: FloatArray = curved[:, 2] + np.append(curved[1:, 0], 0.0)
         return diagonal[:k], curved[1:k, 1]

@@ -1,9 +1,10 @@
-"""`route-nlp`: the paper's model (4.12) for several legs, each with the arcs L R S L R.
+"""`route-nlp`: the paper's model (4.12) for several legs.
 
-They hold all six words of a leg, and two arcs. With the words known, only the arcs of these stay:
-one NLP a word sequence, which for one leg with a free final heading is that of a word. The heading
-after each leg is one more unknown, which makes the Jacobian's blocks meet in one column: without it
-every equation would hold the arcs of all legs before it.
+Each leg has the arcs L R S L R. They hold all six words of a leg, and words of two arcs. With the
+words known, only their arcs stay: there is one NLP for each sequence of words. For one leg with a
+free final heading it is the NLP of a word. The heading after each leg is one more unknown. It makes
+the Jacobian's blocks meet in one column; without it every equation would hold the arcs of all legs
+before it.
 """
 
 from __future__ import annotations
@@ -73,25 +74,27 @@ class PosedRoute(NamedTuple):
     route: Route
     places: Places
     program: Program
-    known: FloatArray | None  # of model `words`: the headings at the points that its words are of
+    known: FloatArray | None  # of model `words`: the headings to which its words belong
 
 
 @dataclass(frozen=True)
 class RouteNlp(EngineSolver):
-    """All arcs of a route at once, by an NLP engine.
+    """All arcs of a route, by an NLP engine.
 
     Args:
         engine: a name in `solvers.engines` of an engine that reads any program, or the name of an
             executable on PATH that reads NL files.
-        model: `joint` leaves all five arcs of a leg open; `words` those of one word, which a
-            dynamic program over a grid of headings finds beforehand, with the closed form of a leg.
-        headings: of that grid, at each point.
-        initial_guess: `one` (turn toward the next point, then go straight), `bearing` (`one`, and
-            where it fails and the leg is one with a free final heading, `words`), `words` (of the
-            model `joint` the shortest legs between headings toward the next points, which tells
-            the engine a word a leg; of `words` the path on the grid), `straight` (the lines
-            between the points, with their headings), `zero` or `random` (arcs up to a full turn,
-            straights up to twice the distance plus 2).
+        model: `joint` leaves all five arcs of a leg open; `words` leaves only the arcs of one word.
+            A dynamic program over a grid of headings finds this word beforehand, with the closed
+            form of a leg.
+        headings: number of headings of that grid at each point.
+        initial_guess: the kind of guess. `one`: turn toward the next point, then go straight.
+            `bearing`: `one`, and if it fails for one leg with a free final heading, `words`.
+            `words`: for the model `joint` the shortest legs between headings toward the next
+            points, which give the engine a word for each leg; for the model `words` the path on
+            the grid. `straight`: the lines between the points, with their headings. `zero`: all
+            unknowns zero. `random`: arcs up to a full turn, straights up to twice the distance
+            plus 2.
         seed: of random guesses; the number of the repeat is added to it.
         count: number of random guesses.
         options, tol, max_iter: as those of `nlp`.
@@ -149,12 +152,15 @@ class RouteNlp(EngineSolver):
             return float(_arcs(x, places).sum())
 
         guesses = self._guesses(model)
-        enough = self.initial_guess == "bearing"  # of the others every guess is tried
+        enough = self.initial_guess == "bearing"  # of the other kinds every guess is tried
         attempts = Attempts(guesses, timed(self.model, solve, length), lambda _: enough)
         return _answer(model, tried([attempts], perf_counter() + limit))
 
     def first_guess(self, model: PosedRoute) -> FloatArray:
-        """The first initial guess, a point of the question's own program."""
+        """The first initial guess.
+
+        It is a point of the question's own program.
+        """
         return _kept(next(self._guesses(model)), model.places)
 
     def _guesses(self, model: PosedRoute) -> Iterator[FloatArray]:
@@ -177,7 +183,10 @@ class RouteNlp(EngineSolver):
 
 
 def _answer(model: PosedRoute, runs: list[Run[FloatArray]]) -> Solution:
-    """The shortest point that the engine calls a solution, or the one that misses least."""
+    """The answer of all runs.
+
+    It is the shortest point that the engine calls a solution, or else the one that misses least.
+    """
     if not runs:
         return nothing_found(runs)
     question, route, places, program, _ = model
@@ -200,9 +209,10 @@ def _answer(model: PosedRoute, runs: list[Run[FloatArray]]) -> Solution:
 
 
 def program(route: Route, places: Places = ()) -> Program:
-    """A route's program: an unknown for each arc and the heading after each leg.
+    """A route's program.
 
-    3 equations a leg, and one for a final heading. Without `places` all arcs are unknown.
+    Each arc is an unknown, and so is the heading after each leg. There are 3 equations a leg, and
+    one for a final heading. Without `places` all arcs are unknown.
     """
     places = places or (_ALL,) * route.legs
     ends = [route.first] if route.last is None else [route.first, route.last]
@@ -222,10 +232,11 @@ def program(route: Route, places: Places = ()) -> Program:
 
 @lru_cache(maxsize=64)
 def expressions(arcs: tuple[int, ...], final_heading: bool, known: bool) -> Expressions:
-    """(4.12) for legs of so many arcs, in the world's directions and units of the radius.
+    """(4.12) for legs with given numbers of arcs.
 
-    If the words are `known`, the turns 1, 0 or -1 of their arcs are parameters, so that all
-    sequences share a program; else the arcs are L R S L R.
+    It is in the world's directions and units of the radius. If the words are `known`, the turns 1,
+    0 or -1 of their arcs are parameters, so that all sequences share a program. Otherwise the arcs
+    are L R S L R.
     """
 
     import casadi
@@ -257,10 +268,11 @@ def expressions(arcs: tuple[int, ...], final_heading: bool, known: bool) -> Expr
 
 
 def word_places(route: Route, headings: FloatArray) -> Places:
-    """The arcs of the shortest legs between headings, shape (n + 1,).
+    """The arcs of the shortest legs between headings.
 
-    A path to a free final heading has a turn and a straight, or two turns: of the last leg's three
-    pieces the shortest one is left out that leaves such a word.
+    The headings have shape (n + 1,). A path to a free final heading has a turn and a straight, or
+    two turns. So one of the last leg's three pieces is left out: the shortest one that leaves such
+    a word.
     """
     segments, words = route.shortest(headings)
     places: list[tuple[int, ...]] = [_PLACES[word] for word in words]
@@ -273,14 +285,20 @@ def word_places(route: Route, headings: FloatArray) -> Places:
 
 
 def turned_guess(route: Route) -> FloatArray:
-    """At each point one turn toward the next, the shorter way round, and a straight line."""
+    """The guess of one turn, then one straight.
+
+    The turn at each point goes the shorter way round toward the next point.
+    """
     first, straight, last = route.turned().T
     arcs = (np.maximum(turn, 0.0) for turn in (first, -first, straight, last, -last))
     return _point(route, np.column_stack(list(arcs)))
 
 
 def words_guess(route: Route, headings: FloatArray | None = None) -> FloatArray:
-    """The shortest legs between headings at all points, or toward the next points."""
+    """The guess of the shortest legs between headings.
+
+    Without `headings` they are those toward the next points.
+    """
     if headings is None:
         headings = route.headings(route.toward_next())
     segments, words = route.shortest(headings)
@@ -291,33 +309,48 @@ def words_guess(route: Route, headings: FloatArray | None = None) -> FloatArray:
 
 
 def straight_guess(route: Route) -> FloatArray:
-    """The lines between the points, with their own headings."""
+    """The guess of the lines between the points.
+
+    The headings are those of the lines.
+    """
     arcs = np.zeros((route.legs, _PER_LEG))
     arcs[:, _LETTERS.index("S")], arcs[:, -1] = np.hypot(*route.steps.T), route.bearings()
     return arcs.ravel()
 
 
 def random_guess(route: Route, random: np.random.Generator) -> FloatArray:
-    """Arcs up to a full turn, straights up to twice the distance plus 2."""
+    """A random guess.
+
+    Arcs go up to a full turn, straights up to twice the distance plus 2.
+    """
     most = np.tile(np.where(_ARCS, TWO_PI, 0.0), (len(route.steps), 1))
     most[:, ~_ARCS] = 2 * np.hypot(*route.steps.T)[:, None] + 2
     return _point(route, most * random.uniform(size=most.shape))
 
 
 def _point(route: Route, arcs: FloatArray) -> FloatArray:
-    """The point x of arcs, shape (n, 5): each leg's arcs, and the heading after them."""
+    """The point x of arcs, shape (n, 5).
+
+    It holds the arcs of each leg, and the heading after them.
+    """
     after = route.first + np.cumsum(arcs @ np.array(_TURNS))
     return np.column_stack((arcs, after)).ravel()
 
 
 def _kept(point: FloatArray, places: Places) -> FloatArray:
-    """What a program of fewer arcs has of a point of the joint one, shape (6 n,)."""
+    """A joint point, reduced to the program's unknowns.
+
+    The joint point has shape (6 n,).
+    """
     legs = zip(point.reshape(-1, _PER_LEG), places, strict=True)
     return np.concatenate([[*leg[list(kept)], leg[-1]] for leg, kept in legs])
 
 
 def _arcs(point: FloatArray, places: Places) -> FloatArray:
-    """All arcs of a point x, shape (n, 5); those that its program does not have are 0."""
+    """All arcs of a point x, shape (n, 5).
+
+    Arcs that its program does not have are 0.
+    """
     arcs, done = np.zeros((len(places), len(_LETTERS))), 0
     for leg, kept in enumerate(places):
         arcs[leg, list(kept)] = point[done : done + len(kept)]
@@ -326,9 +359,10 @@ def _arcs(point: FloatArray, places: Places) -> FloatArray:
 
 
 def _driven(arcs: FloatArray) -> FloatArray:
-    """Arcs that a path can have, shape (n, 5), where an engine left some below zero.
+    """Arcs that a path can have, shape (n, 5).
 
-    Such a turn is given to its neighbour the other way: cut off, it would turn all legs after it.
+    An engine may leave some arcs below zero. Such a turn is given to its neighbour the other way:
+    cut off, it would turn all legs after it.
     """
     turns, others = [0, 1, 3, 4], [1, 0, 4, 3]
     driven = np.maximum(arcs, 0.0)

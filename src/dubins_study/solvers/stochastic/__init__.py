@@ -1,1 +1,4 @@
-"""Search without derivatives: a penalty function of (4.12), an adapter for each engine."""
+"""Search without derivatives.
+
+It has a penalty function of (4.12), and an adapter for each engine.
+"""

@@ -1,8 +1,8 @@
-"""`penalty`: the paper's model (4.12) as one function of its lengths, searched by sampling.
+"""`penalty`: the model (4.12) as one function, searched.
 
-While the least point misses the target, the miss's weight is multiplied and the search begun anew
+While the least point misses the target, the miss's weight is multiplied and a new search begins
 (Nocedal and Wright 2006, Numerical Optimization, Framework 17.2). No engine here checks a condition
-of optimality, so the claim is `feasible` at most, and that no path exists is never said.
+of optimality, so the claim is `feasible` at most. The solver never claims that no path exists.
 """
 
 from __future__ import annotations
@@ -42,8 +42,8 @@ from dubins_study.study.words import BRANCHES, DERIVATIVE_FREE, SAMPLING, Claim
 
 _ENGINES = names(SAMPLING, DERIVATIVE_FREE)
 _GROWTH = 4.0
-# radii: a point that misses by more has stopped short of the target, which a larger weight cures;
-# one that misses by less is the target's, as exactly as the engine got
+# Radii. A point that misses by more has stopped short of the target, and a larger weight helps. A
+# point that misses by less has arrived, as exactly as the engine could.
 _SHORT = 1e-2
 
 
@@ -56,8 +56,8 @@ class Penalty(SearchSolver):
         order: of the turns: `LRS`, `RLS` or `both`. A word as branch has its own.
         weight: of the miss in the first search; 1 is the norm of the multipliers of a path that
             ends straight, and 1.3 at a disc's centre.
-        rounds: searches at most, each with four times the weight of the one before.
-        evaluations: of the function, at most, for each search; 0 for the engine's default
+        rounds: most searches from a guess, each with four times the weight of the one before.
+        evaluations: most evaluations of the function in a search; 0 for the engine's default
             (`solvers.engines`), with which a target outside the discs takes some 0.15 s.
         polish: whether Newton's method moves the point until it arrives; without it the point is
             the engine's own.
@@ -65,8 +65,7 @@ class Penalty(SearchSolver):
             (`one_leg.initial_guesses`); engines that search the whole box take none.
         seed: of all random numbers, together with the question's repeat.
         presolve: whether a word as branch that cannot exist is answered without a search.
-        options: whose choice the engine's options are, `equal`, `default` or `tuned`
-            (docs/engines.md).
+        options: the set of the engine's options: `equal`, `default` or `tuned` (docs/engines.md).
         restarts: whether a search that ends earlier begins anew until the evaluations are spent.
     """
 
@@ -74,7 +73,7 @@ class Penalty(SearchSolver):
     order: str = one_of("both", ORDERS)
     weight: float = within(2.0, 1e-3, 1e9)
     rounds: int = whole(4, 1, 9)
-    # DIRECT takes memory for all of them at once, some seconds for more
+    # DIRECT takes the memory for all of them at once; for more this takes seconds
     evaluations: int = whole(0, 0, 10**6)
     polish: bool = True
     initial_guess: str = one_of("bearing", ("bearing", "zero", "random"))
@@ -115,7 +114,10 @@ class Penalty(SearchSolver):
     def _searches(
         self, question: Question, case: Case, number: int, until: float
     ) -> Iterator[Run[FloatArray]]:
-        """The searches of a case; a run's result has the engine's own z, shape (3,)."""
+        """The searches of a case.
+
+        A run's result has the engine's own z, shape (3,).
+        """
         seed = self.seed + question.repeat
         random = np.random.default_rng((seed, number))
         guesses: list[FloatArray | None] = [None]
@@ -142,7 +144,10 @@ class Penalty(SearchSolver):
         random: np.random.Generator,
         until: float,
     ) -> Run[FloatArray]:
-        """One search; the run's point is that of its result after the correction."""
+        """Run one search.
+
+        The run's point is that of its result after the correction.
+        """
         began = perf_counter()
         penalised = PenaltyFunction(case, weight)
         budget = self.evaluations or self.library.evaluations
@@ -165,7 +170,11 @@ def _miss(case: Case, z: FloatArray) -> float:
 
 
 def _answer(scenario: Scenario, runs: list[Run[FloatArray]]) -> Solution:
-    """The shortest path that arrives; if none does, the one that ends nearest to the target."""
+    """The answer of all runs.
+
+    It is the shortest path that arrives. If none does, it is the one that ends nearest to the
+    target.
+    """
     begun = [run for run in runs if np.isfinite(run.point).all()]
     if not begun:
         return nothing_found(runs)

@@ -1,9 +1,9 @@
-"""The paper's model (4.12) without its equations: length plus a weight times the miss, and engines.
+"""The model (4.12) without equations, and search engines.
 
-The model, and how large its weight must be: docs/formulations/penalty.md. Why the box 0 <= z1, z2
-<= 2 pi, 0 <= z3 <= |T| + 3 holds every solution: full turns are never part of a shortest path
-(docs/derivation.md, section 7), and the straight is a tangent of the second turn's circle, whose
-centre is within 3 of the start.
+The function is the length plus a weight times the miss. The model, and the size that its weight
+needs: docs/formulations/penalty.md. The box 0 <= z1, z2 <= 2 pi, 0 <= z3 <= |T| + 3 holds every
+solution. Full turns are never part of a shortest path (docs/derivation.md, section 7). The straight
+is a tangent of the second turn's circle, whose centre is within 3 of the start.
 """
 
 from __future__ import annotations
@@ -27,7 +27,10 @@ _FARTHEST_CENTRE = 3.0  # radii from the start: 1 to the first circle's centre, 
 
 
 class BoxFunction(Protocol):
-    """A function of n variables between 0 and upper bounds."""
+    """A function of n variables in a box.
+
+    The variables are between 0 and upper bounds.
+    """
 
     upper: FloatArray  # shape (n,)
 
@@ -35,11 +38,14 @@ class BoxFunction(Protocol):
         """The value at one point, shape (n,)."""
 
     def at_each(self, free: FloatArray) -> FloatArray:
-        """The values at several points, shape (n, points) -> (points,)."""
+        """The values at several points.
+
+        Shape (n, points) -> (points,).
+        """
 
 
 class PenaltyFunction:
-    """phi of the lengths that a case leaves free."""
+    """The function phi of a case's free lengths."""
 
     def __init__(self, case: Case, weight: float) -> None:
         self._free = list(case.subproblem.free)
@@ -50,14 +56,20 @@ class PenaltyFunction:
         self.upper: FloatArray = np.array((TWO_PI, TWO_PI, farthest))[self._free]
 
     def at(self, free: FloatArray) -> float:
-        """phi at one point of the free lengths, shape (n,), in radii."""
+        """The value of phi at one point (radii).
+
+        The free lengths have shape (n,), in radii.
+        """
         z = [0.0, 0.0, 0.0]
         for index, length in zip(self._free, free.tolist(), strict=True):
             z[index] = length
         return float(self._phi(z, math))
 
     def at_each(self, free: FloatArray) -> FloatArray:
-        """phi at each of several points, shape (n, points) -> (points,)."""
+        """The values of phi at several points.
+
+        Shape (n, points) -> (points,).
+        """
         z = np.zeros((3, free.shape[1]))
         z[self._free] = free
         values: FloatArray = self._phi(z, np)
@@ -70,22 +82,30 @@ class PenaltyFunction:
         return z1 + z2 + z3 + self._weight * functions.hypot(X - x, Y - y)
 
     def lengths(self, free: FloatArray) -> FloatArray:
-        """All three lengths z of a point of the free ones, cut to the box; shape (n,) -> (3,)."""
+        """All three lengths z of a point.
+
+        The free ones are cut to the box; shape (n,) -> (3,).
+        """
         z = np.zeros(3)
         z[self._free] = np.clip(free, 0.0, self.upper)
         return z
 
 
 class SearchEndError(Exception):
-    """The evaluations or the time are spent, whatever the engine would still do."""
+    """The evaluations or the time are spent.
+
+    It ends the search whatever the engine would still do.
+    """
 
 
 class CountedFunction:
-    """A function that counts its evaluations and keeps the best point.
+    """A function that counts its evaluations.
 
-    What ends the search, `budget` evaluations or the time `until` (s, on `perf_counter`), is raised
-    out of the engine: every engine stops at the same budget, and none returns a worse point than it
-    has seen.
+    It keeps the best point.
+
+    After `budget` evaluations, or at the time `until` (s, on `perf_counter`), a SearchEndError is
+    raised out of the engine. So every engine stops at the same budget, and none returns a worse
+    point than it has seen.
     """
 
     def __init__(self, function: BoxFunction, budget: float, until: float) -> None:
@@ -105,7 +125,10 @@ class CountedFunction:
         return value
 
     def at_each(self, free: FloatArray) -> FloatArray:
-        """The values at several points, shape (n, points) -> (points,)."""
+        """The values at several points.
+
+        Shape (n, points) -> (points,).
+        """
         self._spend(free.shape[1])
         values = self.function.at_each(free)
         least = int(np.argmin(values))
@@ -126,7 +149,7 @@ class CountedFunction:
 
 
 class Task(NamedTuple):
-    """What an engine is given."""
+    """The task that an engine is given."""
 
     function: CountedFunction  # to minimise
     guess: FloatArray | None  # where to begin, shape (n,); None for engines that take none
@@ -134,11 +157,17 @@ class Task(NamedTuple):
 
     @property
     def upper(self) -> FloatArray:
-        """Upper bounds of the variables, shape (n,); the lower ones are 0."""
+        """Upper bounds of the variables, shape (n,).
+
+        The lower bounds are 0.
+        """
         return self.function.function.upper
 
     def _elsewhere(self) -> Task:
-        """The task from a uniform point, if it has a guess."""
+        """The same task from a uniform random point.
+
+        A task without a guess stays as it is.
+        """
         if self.guess is None:
             return self
         return self._replace(guess=self.upper * self.random.uniform(size=self.upper.size))
@@ -151,10 +180,11 @@ class Task(NamedTuple):
     def search(
         self, engine: str, options: str = OPTION_SETS[0], restarts: bool = False
     ) -> EngineResult:
-        """Let an engine minimise; how that ended, with the best point that was evaluated.
+        """Let an engine minimise.
 
-        With `restarts` an engine that ends earlier begins anew until the evaluations are spent, if
-        it takes a guess from a uniform point.
+        Returns the end of the search, with the best point that was evaluated. With `restarts` an
+        engine that ends earlier begins anew until the evaluations are spent. If it takes a guess,
+        it begins from a uniform point.
         """
         claim = Claim.FEASIBLE
         run: Search = ENGINES[engine].load()(options=options)
@@ -175,13 +205,13 @@ class Task(NamedTuple):
         )
 
 
-# The engines: each minimises until it has enough, and returns its own message. The budget replaces
-# all limits of its own on evaluations and iterations.
+# The engines: each minimises until it stops by itself, and returns its own message. The budget
+# replaces all its own limits on evaluations and iterations.
 
 Search = Callable[[Task], str]
 
 
-# What SciPy's global searches are given beside the box and the options of their set.
+# Arguments of SciPy's global searches beside the box and the options of their set.
 _LIMITS: dict[str, Callable[[Task], OptionValues]] = {
     "differential_evolution": lambda task: {"maxiter": task.function.budget, "rng": task.random},
     "dual_annealing": lambda task: {"maxiter": task.function.budget, "rng": task.random},
@@ -191,7 +221,10 @@ _LIMITS: dict[str, Callable[[Task], OptionValues]] = {
 
 
 def scipy_search(options: OptionValues, name: str) -> Search:
-    """A function of `scipy.optimize`; with `vectorized` it evaluates a generation at once."""
+    """A global search of `scipy.optimize`.
+
+    With `vectorized` it evaluates a generation at once.
+    """
 
     def run(task: Task) -> str:
         from scipy import optimize
@@ -218,7 +251,10 @@ def minimize(options: OptionValues, method: str) -> Search:
 
 
 def cma_es(options: OptionValues) -> Search:
-    """CMA-ES of the package `cma`, from a uniform point; where it restarts, from another."""
+    """CMA-ES of the package `cma`, from a uniform point.
+
+    A restart begins from another point.
+    """
     chosen = dict(options)
     step, restarts = chosen.pop("sigma0"), chosen.pop("restarts", 0)
 

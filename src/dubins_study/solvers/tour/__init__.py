@@ -1,1 +1,4 @@
-"""Tours: formulations that choose the order of the points and the headings there."""
+"""Solvers of tours.
+
+Their formulations choose the order of the points and the headings there.
+"""

@@ -1,4 +1,7 @@
-"""`tour-circuit`: a tour through headings on a grid, by CP-SAT's circuit with optional nodes."""
+"""`tour-circuit`: a tour by CP-SAT's circuit constraint.
+
+Headings are on a grid, and the circuit may leave nodes out.
+"""
 
 from __future__ import annotations
 
@@ -27,10 +30,11 @@ from dubins_study.study.words import NEEDS, Claim
 
 @dataclass(frozen=True)
 class TourCircuit(EngineSolver):
-    """Points in any order and headings on a grid: a circuit that leaves nodes out.
+    """Points in any order and headings on a grid.
 
-    A literal for each arc, and one for each heading that is not driven through. Costs are whole
-    numbers of about a millionth of a radius, rounded down.
+    The tour is a circuit that leaves nodes out. There is a literal for each arc, and one for each
+    heading that is not driven through. Costs are whole numbers of about a millionth of a radius,
+    rounded down.
 
     Args:
         costs, headings, gap, polish, seed: as those of `tour-milp`.
@@ -82,7 +86,10 @@ class TourCircuit(EngineSolver):
 
 
 class Circuit(NamedTuple):
-    """The model, and how many units of cost a radius has."""
+    """The circuit model.
+
+    `scale` is the number of units of cost in a radius.
+    """
 
     program: Any
     literals: list[Any]  # of the arcs

@@ -17,10 +17,10 @@ _SHORTER = 1e-12  # of the length; less is no reason for another order
 
 
 def euclidean_order(places: Places, until: float) -> list[int]:
-    """The places in the order that is shortest by straight lines, the start first.
+    """The shortest order of places by straight lines.
 
-    It is exact up to 12 via points, else improved until nothing does, or a time (s, on
-    `perf_counter`).
+    The start is first. The order is exact up to 12 via points. With more of them it is improved
+    until no change helps, or until the time `until` (s, on `perf_counter`).
     """
     m = places.count
     via = list(range(1, m - places.with_target))
@@ -38,7 +38,10 @@ def euclidean_order(places: Places, until: float) -> list[int]:
 
 
 def _exact(starts: FloatArray, between: FloatArray, ends: FloatArray) -> list[int]:
-    """The shortest order of n points by a program over their subsets (Held and Karp 1962)."""
+    """The shortest order of n points.
+
+    It is found by a dynamic program over subsets (Held and Karp 1962).
+    """
     n = starts.size
     costs = np.full((1 << n, n), math.inf)
     before = np.zeros((1 << n, n), np.int64)
@@ -59,7 +62,10 @@ def _exact(starts: FloatArray, between: FloatArray, ends: FloatArray) -> list[in
 
 
 def _nearest(between: FloatArray, via: list[int]) -> list[int]:
-    """From each place on to the nearest one that is left."""
+    """The order that goes on to the nearest place.
+
+    Each place is followed by the nearest one that is left.
+    """
     left = list(via)
     order: list[int] = []
     here = 0
@@ -71,9 +77,9 @@ def _nearest(between: FloatArray, via: list[int]) -> list[int]:
 
 
 def _improved(places: Places, order: list[int], until: float) -> list[int]:
-    """The order with parts of it turned round or moved while it gets shorter.
+    """The order, improved by local changes.
 
-    Croes 1958 (2-opt), Or 1976.
+    Parts are turned round (2-opt, Croes 1958) or moved (Or 1976) while the order gets shorter.
     """
     length = _length(places, order)
     again = True
@@ -92,7 +98,10 @@ def _improved(places: Places, order: list[int], until: float) -> list[int]:
 
 
 def _changed(order: list[int], i: int, end: int) -> Iterator[list[int]]:
-    """Orders with a part from i on turned round, or up to three places at its ends swapped."""
+    """Orders with one changed part that begins at i.
+
+    The part is turned round, or up to three places at its ends are swapped.
+    """
     for j in range(i + 2, end + 1):
         part = order[i:j]
         moved = [part[k:] + part[:k] for k in range(-_MOST_MOVED, _MOST_MOVED + 1)]

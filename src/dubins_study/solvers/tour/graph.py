@@ -1,8 +1,9 @@
-"""A tour as a generalised travelling salesman problem: some headings a place, one is passed.
+"""A tour as a generalised travelling salesman problem.
 
-The costs of its arcs are the shortest lengths between headings, or proven bounds of legs between
-intervals of headings. With bounds no tour costs more than it is long, in any order, so that a bound
-of the program's optimum is one of the question's.
+Each place has some headings, of which the tour passes one. The costs of its arcs are the shortest
+lengths between headings, or proven bounds of legs between intervals of headings. With bounds no
+tour costs more than it is long, in any order. A bound of the program's optimum is then one of the
+question's.
 """
 
 from __future__ import annotations
@@ -26,14 +27,17 @@ from dubins_study.study.arrays import FloatArray, IntArray
 from dubins_study.study.words import Claim
 
 LENGTHS, BOUNDS = COSTS = ("lengths", "bounds")
-# Of a bound: more than tolerances of engines and rounded sums make of it.
+# The share taken off a bound: more than engines' tolerances and rounded sums add to it.
 _SAFE = 1e-6
-_UNITS = 1e6  # of whole costs in a radius, where the costs are not too long for that
+_UNITS = 1e6  # of whole costs in a radius, unless the costs are too long for that
 _MOST_UNITS = 1e12  # of all places together
 
 
 class Graph(NamedTuple):
-    """A question's headings as nodes, and arcs between those of places that may follow."""
+    """A question's headings as nodes, with arcs between them.
+
+    There are arcs between places that may follow each other.
+    """
 
     question: Question
     places: Places
@@ -56,7 +60,10 @@ class Graph(NamedTuple):
         return nodes
 
     def whole_costs(self) -> tuple[IntArray, float]:
-        """Costs as whole numbers, rounded down, and how many of their units a radius has."""
+        """Costs as whole numbers, rounded down.
+
+        Returns also the number of their units in a radius.
+        """
         longest = max(float(self.costs.max()) * self.places.count, 1.0)
         scale = min(_UNITS, _MOST_UNITS / longest)
         return np.floor(self.costs * scale).astype(np.int64), scale
@@ -74,7 +81,10 @@ class Found(NamedTuple):
 
 
 def graph_of(question: Question, count: int, costs: str) -> Graph:
-    """The graph of a question with this many headings or intervals a place."""
+    """The graph of a question.
+
+    Each place has `count` headings or intervals.
+    """
     places = places_of(question.scenario)
     grid = places.headings(count)
     owner = np.repeat(np.arange(places.count), [each.size for each in grid])
@@ -100,7 +110,10 @@ def graph_of(question: Question, count: int, costs: str) -> Graph:
 def _bounds(
     step: FloatArray, first: tuple[FloatArray, float], last: tuple[FloatArray, float]
 ) -> FloatArray:
-    """Bounds of a leg over intervals at both ends: their middles, and half of their width."""
+    """Bounds of a leg over intervals at both ends.
+
+    `first` and `last` are the intervals' middles, and half of their width.
+    """
     from dubins_study.study.route.intervals import OVERLAP  # loads Numba
     from dubins_study.study.route.leg_bound import bound_leg
 
@@ -117,7 +130,10 @@ def _bounds(
 
 
 def found_by(graph: Graph, result: ProvenResult) -> Found:
-    """What an engine found whose x has a number for each arc."""
+    """The tour in an engine's result.
+
+    The engine's x has a number for each arc.
+    """
     tours = [] if result.x is None else cycles(graph, result.x)
     found = Found(None, result.claim, result.status, result.bound, nodes=result.nodes)
     if result.x is None or len(tours) != 1:
@@ -127,7 +143,10 @@ def found_by(graph: Graph, result: ProvenResult) -> Found:
 
 
 def cycles(graph: Graph, x: FloatArray) -> list[list[int]]:
-    """The nodes along each cycle of arcs whose number in x is near 1; the start's first."""
+    """The nodes along each cycle of driven arcs.
+
+    An arc is driven if its number in x is near 1. The start's cycle is first.
+    """
     chosen = x[: graph.costs.size] > 0.5
     after = dict(zip(graph.tails[chosen].tolist(), graph.heads[chosen].tolist(), strict=True))
     found = []
@@ -142,7 +161,7 @@ def cycles(graph: Graph, x: FloatArray) -> list[list[int]]:
 
 
 def answered(graph: Graph, found: Found, seconds: float, polish: bool) -> Solution:
-    """The solution of what an engine found.
+    """The solution of an engine's run.
 
     The bound is the question's only if the costs are bounds. The claim is `feasible`: an optimum of
     the program is none of the question.
@@ -178,7 +197,7 @@ def answered(graph: Graph, found: Found, seconds: float, polish: bool) -> Soluti
 
 
 def _bound_text(graph: Graph, found: Found) -> str:
-    """What the engine proves, and of what."""
+    """The engine's bound as text, with its scope."""
     if found.bound == -math.inf:
         return "no bound"
     text = f"bound {found.bound * graph.question.scenario.radius:.9g}"

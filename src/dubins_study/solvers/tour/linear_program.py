@@ -1,9 +1,12 @@
-"""The generalised travelling salesman problem as a mixed-integer linear program.
+"""The tour as a mixed-integer linear program.
 
-x is 1 on each arc that is driven. As many arcs reach a node as leave it, and one leaves each place.
-What forbids subtours is the model: `flow`, a commodity of which each place but the start takes one
-(Gavish and Graves 1978); `mtz`, positions of the places (Miller, Tucker and Zemlin 1960); `cuts`,
-rows that are added where a subtour is found (Dantzig, Fulkerson and Johnson 1954).
+It is the generalised travelling salesman problem. x is 1 on each arc that is driven. As many arcs
+reach a node as leave it, and one leaves each place. The models differ in the way that they forbid
+subtours:
+
+- `flow`: a commodity of which each place but the start takes one (Gavish and Graves 1978).
+- `mtz`: positions of the places (Miller, Tucker and Zemlin 1960).
+- `cuts`: rows that are added where a subtour is found (Dantzig, Fulkerson and Johnson 1954).
 """
 
 from __future__ import annotations
@@ -20,7 +23,11 @@ FLOW, MTZ, CUTS = MODELS = ("flow", "mtz", "cuts")
 
 
 class LinearProgram(NamedTuple):
-    """min cost z subject to least <= rows z <= most and low <= z <= high, some z whole."""
+    """A mixed-integer linear program.
+
+    min cost z subject to least <= rows z <= most and low <= z <= high. The z with a true entry in
+    `whole` are whole numbers.
+    """
 
     cost: FloatArray  # shape (n,); the arcs come first
     rows: csr_array
@@ -32,7 +39,10 @@ class LinearProgram(NamedTuple):
 
 
 def program_of(graph: Graph, model: str) -> LinearProgram:
-    """The program of a graph with one of `MODELS`; that of `cuts` has no row against subtours."""
+    """The program of a graph with one of `MODELS`.
+
+    The program of `cuts` has no row against subtours.
+    """
     nodes = graph.owner.size
     places = graph.places.count
     arcs = np.arange(graph.costs.size)
@@ -62,12 +72,19 @@ def program_of(graph: Graph, model: str) -> LinearProgram:
 
 
 def _ones(rows: IntArray, columns: IntArray, height: int) -> csr_array:
-    """A matrix with a 1 in each of these places."""
+    """A matrix of zeros and ones.
+
+    The ones are at the given places.
+    """
     return csr_array((np.ones(rows.size), (rows, columns)), shape=(height, columns.size))
 
 
 def _with_flow(program: LinearProgram, z: csr_array, i: IntArray, j: IntArray) -> LinearProgram:
-    """With a flow from i to j, of at most what is left to be passed; none goes to the start."""
+    """The program with a flow from i to j.
+
+    An arc's flow is at most the number of places that are left to be passed. None goes to the
+    start.
+    """
     flows = np.arange(i.size)
     places = int(j.max()) + 1
     taken = (_ones(j, flows, places) - _ones(i, flows, places))[1:]
@@ -84,7 +101,10 @@ def _with_flow(program: LinearProgram, z: csr_array, i: IntArray, j: IntArray) -
 def _with_positions(
     program: LinearProgram, z: csr_array, i: IntArray, j: IntArray, places: int
 ) -> LinearProgram:
-    """With the position of each place: that of j is at least 1 more than that of i before it."""
+    """The program with the position of each place.
+
+    If j follows i, its position is at least 1 more than that of i.
+    """
     rows = np.arange(i.size)
     ahead = (_ones(i, rows, places) - _ones(j, rows, places)).T
     most = places - 2.0
@@ -104,7 +124,10 @@ def _extended(
     most: FloatArray,
     high: FloatArray,
 ) -> LinearProgram:
-    """The program with further rows, and further variables from 0 on that cost nothing."""
+    """The program with more rows and variables.
+
+    The further variables are at least 0 and cost nothing.
+    """
     zeros = np.zeros(high.size)
     wide = csr_array((program.least.size, high.size))
     return LinearProgram(
@@ -119,7 +142,10 @@ def _extended(
 
 
 def with_cuts(program: LinearProgram, graph: Graph, subtours: list[list[int]]) -> LinearProgram:
-    """The program with a row for each subtour: of the arcs that leave its places one is driven."""
+    """The program with a row for each subtour.
+
+    Of the arcs that leave a subtour's places at least one is driven.
+    """
     i, j = graph.pairs
     rows = []
     for nodes in subtours:

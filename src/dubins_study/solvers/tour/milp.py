@@ -1,4 +1,7 @@
-"""`tour-milp`: a tour through headings on a grid, by engines of mixed-integer linear programs."""
+"""`tour-milp`: a tour through headings on a grid.
+
+Engines of mixed-integer linear programs solve it.
+"""
 
 from __future__ import annotations
 
@@ -35,15 +38,17 @@ _ENGINES = ("highs", "scip", "glpk", "cbc")
 
 @dataclass(frozen=True)
 class TourMilp(EngineSolver):
-    """Points in any order and headings on a grid: a generalised travelling salesman problem.
+    """Points in any order and headings on a grid.
+
+    It is a generalised travelling salesman problem.
 
     Args:
         engine: `highs`, `scip`, `glpk`, or `cbc` by OR-tools.
-        model: what forbids subtours: `flow`, `mtz`, or `cuts`, which are added while some are
-            found.
-        costs: `lengths` of legs between headings: an optimum of the grid, and no bound; or `bounds`
-            of legs between intervals of headings: the engine's bound is one of the question, and
-            the tour has the best headings of the grid in the order that is found.
+        model: the way to forbid subtours: `flow`, `mtz`, or `cuts`, which are added while subtours
+            are found.
+        costs: `lengths` of legs between headings give an optimum of the grid, and no bound.
+            `bounds` of legs between intervals of headings give a bound of the question; the tour
+            then has the best headings of the grid in the order that is found.
         headings: headings or intervals at each point.
         gap: relative gap at which the engine calls an answer optimal.
         polish: whether the headings of the tour are improved at the end, off the grid; by this

@@ -1,7 +1,8 @@
-"""Engines of mixed-integer linear programs: HiGHS, CBC and GLPK, and those of `minlp_engines`.
+"""Engines of mixed-integer linear programs.
 
-HiGHS is the package's own. OR-tools' modelling layer would reach it too, but its copy is of another
-version under the same name, so that a process that has loaded one of them cannot load the other.
+They are HiGHS, CBC and GLPK, and those of `minlp_engines`. HiGHS is that of the package highspy.
+OR-tools' modelling layer would reach it too, but its copy is of another version under the same
+name: a process that has loaded one of them cannot load the other.
 """
 
 from __future__ import annotations
@@ -32,7 +33,7 @@ FEASIBILITY = 1e-9  # of rows and whole numbers, where the engine takes it
 def solved(
     solver: EngineSolver, program: LinearProgram, settings: Settings, seconds: float
 ) -> ProvenResult:
-    """The end of a run of a solver's engine, with one thread."""
+    """Run a solver's engine with one thread."""
     if call := _OWN_CALLS.get(solver.engine):
         return call(program, settings, seconds)
     result: ProvenResult = solver.library.load()(settings)(_mixed(program), seconds)
@@ -40,7 +41,7 @@ def solved(
 
 
 def _highs(program: LinearProgram, settings: Settings, seconds: float) -> ProvenResult:
-    """HiGHS, by highspy."""
+    """Run HiGHS, by highspy."""
     import highspy
 
     options = {
@@ -67,7 +68,10 @@ def _highs(program: LinearProgram, settings: Settings, seconds: float) -> Proven
 
 
 def _cbc(program: LinearProgram, settings: Settings, seconds: float) -> ProvenResult:
-    """CBC, by OR-tools' linear solver, which says nothing of seeds; CBC takes none by itself."""
+    """Run CBC, by OR-tools' linear solver.
+
+    That interface passes on no seed; CBC takes none by itself.
+    """
     from ortools.linear_solver import pywraplp
 
     solver = pywraplp.Solver.CreateSolver("CBC")
@@ -108,7 +112,10 @@ _CBC_STATUSES = (
 
 
 def _glpk(program: LinearProgram, settings: Settings, seconds: float) -> ProvenResult:
-    """GLPK, by swiglpk; it takes no seed, and tells of bounds and nodes only while it runs."""
+    """Run GLPK, by swiglpk.
+
+    It takes no seed. It reports bounds and nodes only while it runs.
+    """
     import swiglpk as glpk
 
     glpk.glp_term_out(glpk.GLP_OFF)
@@ -156,7 +163,10 @@ def _glpk(program: LinearProgram, settings: Settings, seconds: float) -> ProvenR
 
 
 def _between(glpk: Any, low: float, high: float) -> tuple[int, float, float]:
-    """What GLPK calls the kind of a row's or a column's bounds, and the bounds."""
+    """GLPK's kind of some bounds, and the bounds.
+
+    They are those of a row or of a column.
+    """
     if low == high:
         return glpk.GLP_FX, low, high
     if low == -math.inf:
@@ -178,7 +188,7 @@ _GLPK_STATUSES = ("", "GLP_UNDEF", "GLP_FEAS", "", "GLP_NOFEAS", "GLP_OPT")
 
 
 def _rows(program: LinearProgram) -> Iterator[tuple[list[tuple[int, float]], float, float]]:
-    """The columns and values of each row, and between what its sum lies."""
+    """The rows: columns with values, and bounds."""
     begins = program.rows.indptr
     entries = list(zip(program.rows.indices.tolist(), program.rows.data.tolist(), strict=True))
     bounds = zip(program.least.tolist(), program.most.tolist(), strict=True)
@@ -200,7 +210,10 @@ def _mixed(program: LinearProgram) -> MixedProgram:
 
 
 def _sum(terms: list[Any]) -> Any:
-    """The sum by halves: term by term some interfaces copy all that went before."""
+    """The sum, added up by halves.
+
+    Term by term, some interfaces copy the sum so far each time.
+    """
     if len(terms) == 1:
         return terms[0]
     half = len(terms) // 2

@@ -1,6 +1,7 @@
-"""`tour-order`: first the order of the points by their distances, then the headings.
+"""`tour-order`: first the order, then the headings.
 
-The baseline of tours: an order that knows nothing of the turning radius.
+The order of the points follows from their distances. It is the baseline of tours: its order does
+not depend on the turning radius.
 """
 
 from __future__ import annotations
@@ -23,7 +24,11 @@ _EUCLIDEAN, _ALTERNATING = _ORDERS = ("euclidean", "alternating")
 
 
 class OrderFirst(Solver):
-    """An order of the points and a heading at each, exact legs between them."""
+    """Base of solvers that choose headings directly.
+
+    They choose an order of the points and a heading at each. The legs between the headings are
+    exact.
+    """
 
     guarantee = Guarantee.DISCRETISED
 
@@ -42,15 +47,18 @@ class OrderFirst(Solver):
 
     @abstractmethod
     def choose(self, places: Places, until: float) -> tuple[list[int], FloatArray]:
-        """The order of the places, and the headings there and at the end."""
+        """The order of the places, and the headings.
+
+        These are the headings at the places and at the end.
+        """
 
 
 @dataclass(frozen=True)
 class TourOrder(OrderFirst):
     """The shortest order by straight lines, then headings.
 
-    The order is exact up to 12 via points, beyond that the best that reversed parts and moved
-    points find from nearest neighbours.
+    The order is exact up to 12 via points. Beyond that it starts from nearest neighbours and is
+    improved by reversed parts and moved points.
 
     Args:
         order: `euclidean`: with the best headings of a grid, improved off it; or `alternating`:
@@ -79,11 +87,11 @@ class TourOrder(OrderFirst):
 
 
 def _alternating(places: Places, order: list[int]) -> FloatArray:
-    """Headings by which every other leg is a straight line; shape (legs + 1,).
+    """Headings that make every other leg straight.
 
-    The first of these legs begins at the start if the heading there is free, else at the point
-    after it. A heading that is given at one of its ends stays, and a point that is left over heads
-    for the next one, or on as the last leg came.
+    Shape (legs + 1,). The first of these legs begins at the start if the heading there is free,
+    else at the point after it. A given heading at one of its ends stays. A point that is left over
+    heads for the next point, or keeps the direction of the last leg.
     """
     steps = places.steps(order)
     bearings = np.arctan2(steps[:, 1], steps[:, 0])

@@ -1,4 +1,7 @@
-"""The best headings of one order: dynamic programs over grids, finer and finer about the best."""
+"""The best headings of one order.
+
+Dynamic programs find them on grids, finer and finer about the best.
+"""
 
 from __future__ import annotations
 
@@ -20,9 +23,10 @@ _FINEST = 1e-9  # rad
 
 
 class Layers(NamedTuple):
-    """Headings at the points, and the lengths (radii) of legs between those of two points.
+    """Headings at the points, and lengths between them.
 
-    Of n legs: n + 1 arrays of headings (rad), and n of lengths, shape (headings before, after).
+    For n legs there are n + 1 arrays of headings (rad), and n arrays of lengths (radii) with shape
+    (headings before, after).
     """
 
     headings: list[FloatArray]
@@ -36,7 +40,10 @@ class Layers(NamedTuple):
         return float(least.min())
 
     def shortest(self) -> FloatArray:
-        """The headings of the shortest path through the layers, by dynamic programming."""
+        """The headings of the shortest path.
+
+        A dynamic program finds it in the layers.
+        """
         least, chosen = np.zeros(1), []
         for lengths in self.lengths:
             through = least[:, None] + lengths
@@ -52,7 +59,10 @@ class Layers(NamedTuple):
 
 
 def layers_between(headings: list[FloatArray], steps: FloatArray) -> Layers:
-    """The layers of some headings at each of the points that are these steps (radii) apart."""
+    """The layers of some headings at each point.
+
+    The points are `steps` (radii) apart.
+    """
     lengths = []
     for (before, after), (x, y) in zip(pairwise(headings), steps, strict=True):
         a, b = (each.ravel() for each in np.meshgrid(before, after, indexing="ij"))
@@ -62,7 +72,10 @@ def layers_between(headings: list[FloatArray], steps: FloatArray) -> Layers:
 
 
 def headings_on_grid(places: Places, order: list[int], count: int) -> FloatArray:
-    """The best headings of an order with this many at each place; shape (legs + 1,)."""
+    """The best headings of an order on a grid.
+
+    The grid has `count` headings at each place. Shape (legs + 1,).
+    """
     grid = places.headings(count)
     return _best(places, order, [grid[place] for place in order])
 
@@ -70,9 +83,10 @@ def headings_on_grid(places: Places, order: list[int], count: int) -> FloatArray
 def polished(
     places: Places, order: list[int], headings: FloatArray, count: int, until: float = math.inf
 ) -> FloatArray:
-    """Headings of a grid of this many, improved on finer and finer ones, down to 1e-9 rad.
+    """The headings of a grid, improved off it.
 
-    It ends early at a time (s, on `perf_counter`).
+    The grid had `count` headings at each place. Finer and finer ones follow, down to 1e-9 rad. The
+    search ends early at the time `until` (s, on `perf_counter`).
     """
     free = [places.given[place] is None for place in order]
     width = TWO_PI / count
@@ -87,7 +101,7 @@ def polished(
 
 
 def _best(places: Places, order: list[int], candidates: list[FloatArray]) -> FloatArray:
-    """The best of some headings at each place of an order."""
+    """The best of some headings at each place."""
     steps = places.steps(order)
     if not places.closed:
         return layers_between(candidates, steps).shortest()

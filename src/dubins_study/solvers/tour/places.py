@@ -1,6 +1,7 @@
-"""The places of a tour in units of the radius, and the path through them in one order.
+"""The places of a tour in turning radii.
 
-A route in its given order is a tour with one way on from each place, one leg a tour of two places.
+A route in its given order is a tour with one way on from each place. One leg is a tour of two
+places.
 """
 
 from __future__ import annotations
@@ -23,7 +24,10 @@ from dubins_study.study.words import Order
 
 @dataclass(frozen=True, eq=False)
 class Places:
-    """The start, the via points, and the target if it is another point; place 0 is the start."""
+    """The places of a tour, the start first.
+
+    The via points follow, then the target if it is another point.
+    """
 
     points: FloatArray  # shape (m, 2), radii, seen from the start
     given: tuple[float | None, ...]  # headings at the places (rad); None where free
@@ -33,14 +37,14 @@ class Places:
 
     @property
     def count(self) -> int:
-        """m."""
+        """The number m of places."""
         return len(self.points)
 
     @property
     def next_places(self) -> BoolArray:
-        """Whether a tour may go on from one place to another, shape (m, m).
+        """Whether one place may follow another, shape (m, m).
 
-        It goes back to the start from its end: this is a leg only if the tour is closed.
+        A tour goes back to the start from its end. This is a leg only if the tour is closed.
         """
         m = self.count
         if self.in_order:
@@ -53,13 +57,19 @@ class Places:
         return may
 
     def steps(self, order: list[int]) -> FloatArray:
-        """From each place of an order, which begins with 0, to the next, shape (legs, 2)."""
+        """The steps between the places of an order.
+
+        Shape (legs, 2). The order begins with 0.
+        """
         passed = [*order, 0] if self.closed else order
         steps: FloatArray = np.diff(self.points[passed], axis=0)
         return steps
 
     def headings(self, count: int) -> list[FloatArray]:
-        """Equally many headings at each place, from the start's on; one where it is given."""
+        """Headings at each place, equally many and spaced.
+
+        They begin at the start's heading. A place whose heading is given has that one only.
+        """
         first = self.given[0] or 0.0
         grid: FloatArray = first + (TWO_PI / count) * np.arange(count, dtype=np.float64)
         return [grid if heading is None else np.array([heading]) for heading in self.given]
@@ -79,7 +89,10 @@ def places_of(scenario: Scenario) -> Places:
 
 
 def empty_path(question: Question) -> Solution | None:
-    """The path of no length where one leg's target is its start, or None."""
+    """The path of no length, or None.
+
+    It is the answer if one leg's target is its start.
+    """
     scenario = question.scenario
     if not scenario.one_free_leg:
         return None
@@ -87,7 +100,10 @@ def empty_path(question: Question) -> Solution | None:
 
 
 def tour_path(scenario: Scenario, places: Places, order: list[int], headings: FloatArray) -> Path:
-    """The shortest legs between headings, shape (legs + 1,), at the places of an order."""
+    """The path through the places of an order.
+
+    Its legs are the shortest ones between the headings, shape (legs + 1,).
+    """
     x, y = places.steps(order).T
     segments, words = legs(x, y, headings[:-1], headings[1:])
     start = Pose(scenario.x, scenario.y, float(headings[0]))

@@ -1,4 +1,7 @@
-"""`tour-routing`: a tour through headings on a grid, by OR-tools' routing library."""
+"""`tour-routing`: a tour by OR-tools' routing library.
+
+The headings are on a grid.
+"""
 
 from __future__ import annotations
 
@@ -33,9 +36,11 @@ _STATUSES = (
 
 @dataclass(frozen=True)
 class TourRouting(EngineSolver):
-    """Points in any order and headings on a grid: a vehicle that visits one heading a point.
+    """Points in any order and headings on a grid.
 
-    The headings of a point are a disjunction of which one is visited. The library proves nothing
+    The tour is that of a vehicle that visits one heading a point.
+
+    The headings of a point form a disjunction: one of them is visited. The library proves nothing
     and draws no random numbers.
 
     Args:
@@ -72,7 +77,10 @@ class TourRouting(EngineSolver):
 
 
 def _visited(graph: Graph, search: str, seconds: float) -> Found:
-    """The nodes that the vehicle visits, from the start on."""
+    """The run of a vehicle through the graph's nodes.
+
+    Its tour has the nodes that are visited, from the start on.
+    """
     from ortools.constraint_solver import pywrapcp, routing_enums_pb2
 
     began = perf_counter()
@@ -101,7 +109,7 @@ def _visited(graph: Graph, search: str, seconds: float) -> Found:
     tour = routing.SolveWithParameters(parameters)
     status = _STATUSES[routing.status()]
     claim = claim_of("routing", status)
-    if tour is None or tour.ObjectiveValue() >= never:  # it has an arc that is none
+    if tour is None or tour.ObjectiveValue() >= never:  # the tour has a step that is no arc
         return Found(None, claim, status)
     index = routing.Start(0)
     visited = []
