@@ -42,7 +42,7 @@ class Leg(NamedTuple):
 
 
 def leg(start: Pose, end: Pose, radius: float) -> Leg:
-    """Leg between two poses (docs/derivation.md, eq. 12)."""
+    """Leg between two poses (docs/derivation.md, section 14)."""
     x, y = (end.x - start.x) / radius, (end.y - start.y) / radius
     extent = (abs(start.x) + abs(start.y) + abs(end.x) + abs(end.y)) / radius
     return Leg(x, y, start.heading, end.heading, pose_delta(extent, abs(x) + abs(y)))
