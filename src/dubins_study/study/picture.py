@@ -6,7 +6,8 @@ import numpy as np
 
 from dubins_study.study.arrays import FloatArray
 
-_SIDE, _MARGIN = 300.0, 10.0  # pixels of the longer side, and around it
+_SIDE = 300.0  # pixels of the longer side
+_MARGIN = 10.0  # pixels around the picture
 
 
 def svg(points: FloatArray, caption: str) -> str:

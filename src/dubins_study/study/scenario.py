@@ -352,7 +352,8 @@ DEGREES = (
     "is a number of more than a full turn, taken as radians; if it is in degrees, write the "
     "unit, such as '90deg'"
 )
-LARGEST, SMALLEST = 1e150, 1e-150  # beyond them squares overflow or vanish
+LARGEST = 1e150  # the square of a larger number overflows
+SMALLEST = 1e-150  # the square of a smaller number vanishes
 LARGEST_EXTENT = 1e13  # radii; a path of ten times as many cannot be driven to within a radius
 
 

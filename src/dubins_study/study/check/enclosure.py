@@ -411,7 +411,8 @@ def _ends(start: Pose, end: Pose, radius: float) -> _Ends:
 def _cells(ends: _Ends) -> Iterator[_Signs]:
     """Combinations of signs that ends may have."""
     X, Y, _, s, c = ends
-    across, versine = X * s - Y * c, 1 - c
+    across = X * s - Y * c
+    versine = 1 - c
     functions = (
         *(Y - versine, Y + versine, across - versine, across + versine),
         *(_square(X + s, Y - c - 1) - 4, _square(X - s, Y + c + 1) - 4),
@@ -431,7 +432,8 @@ def _lengths(word: str, ends: _Ends, signs: _Signs) -> list[arb]:
     One of them is the end's; there are none where the word does not exist.
     """
     if word in ("RSR", "RSL", "RLR"):
-        ends, signs = ends.mirrored, signs.mirrored
+        ends = ends.mirrored
+        signs = signs.mirrored
         word = {"RSR": "LSL", "RSL": "LSR", "RLR": "LRL"}[word]
     X, Y, turn, s, c = ends
     # forward extent of S, seen from both ends, or of the chord of the middle arc's centres
@@ -447,7 +449,8 @@ def _lengths(word: str, ends: _Ends, signs: _Signs) -> list[arb]:
         right = not signs.end_left if forward > 0 else None
         return _with_turns(length, 2 * first - turn, first, left, first - turn, right)
     x, y = X - s, Y + c - 1
-    d, first = _square(x, y).nonnegative_part().sqrt(), _direction(x, y)
+    d = _square(x, y).nonnegative_part().sqrt()
+    first = _direction(x, y)
     if word == "LSL":
         left = signs.start_left if x > 0 else None
         right = signs.end_left if forward > 0 else None
@@ -457,7 +460,8 @@ def _lengths(word: str, ends: _Ends, signs: _Signs) -> list[arb]:
     half = arb.pi() - _quarter_arcsine(d)
     left = not signs.reach_rsl if x < 0 else None
     right = not signs.reach_lsr if forward < 0 else None
-    arcs, rest = turn + 2 * half, turn - first + half
+    arcs = turn + 2 * half
+    rest = turn - first + half
     return _with_turns(arcs + 2 * half, arcs, first + half, left, rest, right)
 
 
@@ -473,7 +477,8 @@ def _nearly_one_arc(ends: _Ends) -> Iterator[arb]:
     full = 2 * arb.pi()
     turn -= full * math.floor(float((turn / full).mid()))
     for e in (arb(0), arb(math.sqrt(float(X.rad())))):
-        sine, versine = 2 * e.sin(), 2 - 2 * e.cos()
+        sine = 2 * e.sin()
+        versine = 2 - 2 * e.cos()
         x = X - s - sine * (1 + c) + versine * s
         y = Y + c - 1 - sine * s + versine * (1 - c)
         arc = turn + 2 * e

@@ -205,7 +205,9 @@ def extremal(
     asked = conditions(u, length, _ORIGIN)
     if asked is None:
         return None
-    hamiltonian, straight, arcs = asked.hamiltonian, asked.straight, asked.arcs
+    hamiltonian = asked.hamiltonian
+    straight = asked.straight
+    arcs = asked.arcs
     ends = asked.ends if free else []
     # rows of zeros keep the matrix as high as it is wide
     matrix = np.array([*hamiltonian, *straight, *ends, *[(0.0,) * 4] * 3])

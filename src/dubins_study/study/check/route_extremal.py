@@ -103,7 +103,8 @@ def route_legs(path: Path, at: Sequence[float], radius: float) -> Iterator[Condi
 
     They are seen from where the leg begins, in the frame of the path's start.
     """
-    rate, ends = path.curvatures * radius, np.concatenate(([0.0], np.cumsum(path.lengths))) / radius
+    rate = path.curvatures * radius
+    ends = np.concatenate(([0.0], np.cumsum(path.lengths))) / radius
     turned = 0.0
     cuts = np.array([0.0, *at, ends[-1] * radius]) / radius
     after = np.clip(np.searchsorted(ends, cuts), 1, rate.size)

@@ -63,14 +63,19 @@ def costates(heading: float, word: Word) -> tuple[float, float, bool, float, flo
     """
     (turn1, first), (turn2, second), (turn3, third) = word
     if second == 0.0 and turn1 == turn3:
-        first, third = first + third, 0.0
+        first = first + third
+        third = 0.0
     middle = turn1 * first
     last = middle + turn2 * second
     if turn2 != 0.0:  # along or against the chord of the arc
         half = math.cos(second / 2)
-        nu0, rho, phi = abs(half), -math.copysign(1.0, half), middle + turn2 * second / 2
+        nu0 = abs(half)
+        rho = -math.copysign(1.0, half)
+        phi = middle + turn2 * second / 2
     else:  # against the heading of S
-        nu0, rho, phi = 1.0, -1.0, middle
+        nu0 = 1.0
+        rho = -1.0
+        phi = middle
     angles = (-phi, middle - phi, last - phi, last + turn3 * third - phi)
     turns = (turn1 * first, turn2 * second, turn3 * third)
     arcs = [pair for pair, turn in zip(pairwise(angles), turns, strict=True) if turn != 0.0]

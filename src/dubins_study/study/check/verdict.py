@@ -78,7 +78,8 @@ def is_wrong_basin(
 
     It is compared with the optima of some words and net turns.
     """
-    another_word, turn = gap > COARSE and word not in words, path.turn
+    another_word = gap > COARSE and word not in words
+    turn = path.turn
     return another_word or all(abs(turn - best) > _ANOTHER_TURN for best in turns)
 
 
@@ -137,12 +138,16 @@ def seen_of(scenario: Scenario, path: Path, branch: str, tolerances: Tolerances)
 
     The path is one that can be driven.
     """
-    radius, extent, length, end = scenario.radius, scenario.extent, path.length, path.end
+    radius = scenario.radius
+    extent = scenario.extent
+    length = path.length
+    end = path.end
     pieces = zip(path.curvatures.tolist(), path.lengths.tolist(), strict=True)
     excess = curvature_excess([k * radius for k, s in pieces if s > 0], branch)
     allowed = allowed_miss(tolerances.miss, radius, extent, length)
     seen = visits_of(scenario, path, allowed)
-    miss, turned = seen.miss, seen.turned
+    miss = seen.miss
+    turned = seen.turned
     if scenario.target is not None:
         x, y = scenario.target
         miss = max(math.hypot(end.x - x, end.y - y), miss)

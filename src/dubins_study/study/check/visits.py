@@ -67,7 +67,9 @@ def visits(
     if not via:
         return Visits((), (), (), 0.0, 0.0)
     pieces = _Pieces(path, radius)
-    at, nearest, miss = 0.0, 0.0, 0.0
+    at = 0.0
+    nearest = 0.0
+    miss = 0.0
     found: list[float] = []
     for stop in via:
         after = 0.0 if any_order else at
@@ -106,7 +108,8 @@ class _Pieces:
         self.length = path.lengths / radius
         self.ends = np.concatenate(([0.0], np.cumsum(self.length)))
         rate = path.curvatures * radius
-        self.k, self.side = np.maximum(np.abs(rate), _STRAIGHT), np.where(rate < 0, -1.0, 1.0)
+        self.k = np.maximum(np.abs(rate), _STRAIGHT)
+        self.side = np.where(rate < 0, -1.0, 1.0)
         poses = path.poses
         self.x, self.y, self.heading = poses[:-1].T
         self.cos, self.sin = np.cos(self.heading), np.sin(self.heading)
@@ -175,7 +178,8 @@ class _Pieces:
         X, Y = dx * cos + dy * sin, (dy * cos - dx * sin) * self.side[those]
         D = np.hypot(k * X, 1.0 - k * Y)
         g = (k * (X * X + Y * Y) - 2.0 * Y) / (1.0 + D)
-        middle, turn = np.arctan2(k * X, 1.0 - k * Y) / k, 2.0 * math.pi / k
+        middle = np.arctan2(k * X, 1.0 - k * Y) / k
+        turn = 2.0 * math.pi / k
         begin = np.clip(at - self.ends[:-1][those], 0.0, length)
         chord = np.sqrt((allowed - np.abs(g)) * (allowed + np.abs(g)) / D)  # NaN: never within
         width = 2.0 * np.arcsin(np.minimum(1.0, 0.5 * k * chord)) / k

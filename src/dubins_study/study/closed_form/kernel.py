@@ -137,8 +137,10 @@ def to_local_exactly(
     return X, Y, spread + PER_DISTANCE * (abs(X) + abs(Y))
 
 
-_left_straight, _right_left = inlined(left_straight), inlined(right_left)
-_best_segments, _chosen_side = inlined(best_segments), inlined(chosen_side)
+_left_straight = inlined(left_straight)
+_right_left = inlined(right_left)
+_best_segments = inlined(best_segments)
+_chosen_side = inlined(chosen_side)
 
 
 @inlined
@@ -231,7 +233,8 @@ def _best(X: float, y: float, right: int) -> tuple[float, float, int, float]:
     p = xx + y * (y + 2.0)
     q = 4.0 * (2.0 - y) + w
     A = p + 4.0 * y + 8.0
-    inner, outer = p * q, -w
+    inner = p * q
+    outer = -w
     root = math.sqrt(inner if inside else outer)  # D inside, the straight part outside
     # tan(a/2) is y / (X + s) ahead and (s - X) / (y - 2) behind
     four_x = 4.0 * X

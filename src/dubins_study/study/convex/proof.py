@@ -44,7 +44,8 @@ def residuals(problem: Problem, point: Point) -> Residuals:
     conditions of Karush, Kuhn and Tucker, unscaled.
     """
     x, y, z, w = point
-    rows, inside = problem.A @ x, problem.C @ x + problem.d
+    rows = problem.A @ x
+    inside = problem.C @ x + problem.d
     beyond = (problem.l - rows, rows - problem.u, problem.lb - x, x - problem.ub)
     primal = max(_largest(each) for each in (*beyond, _outside(inside, problem.cones)))
     # a row without an end has no multiplier on that side
@@ -201,7 +202,8 @@ def lower_bound(problem: Problem, point: Point) -> float:
     if not (np.isfinite(y).all() and np.isfinite(w).all()):
         return -np.inf
     with ctx.workprec(_BITS):
-        rows, cones = [arb(value) for value in y], [arb(value) for value in w]
+        rows = [arb(value) for value in y]
+        cones = [arb(value) for value in w]
         if not _in_cones(cones, problem.cones):
             return -np.inf
         ends = np.where(y > 0, problem.u, np.where(y < 0, problem.l, 0.0))
@@ -238,7 +240,9 @@ def _rows(matrix: csr_array, values: list[Any]) -> list[Any]:
 
     The matrix holds doubles.
     """
-    ends, columns, data = matrix.indptr.tolist(), matrix.indices.tolist(), matrix.data.tolist()
+    ends = matrix.indptr.tolist()
+    columns = matrix.indices.tolist()
+    data = matrix.data.tolist()
     return [
         sum((arb(data[place]) * values[columns[place]] for place in range(begin, end)), arb(0))
         for begin, end in pairwise(ends)
@@ -263,7 +267,9 @@ def judge_convex(
     point surely costs more. A claim of an optimum is false if the point is not optimal, and a
     residual or the gap of both objectives is beyond the tolerance as well.
     """
-    low, high, verdict = None, None, Verdict.NONE
+    low = None
+    high = None
+    verdict = Verdict.NONE
     shares: dict[str, Any] = {}
     if name in listed():
         low, high = reference(name)
@@ -282,9 +288,11 @@ def judge_convex(
 
 
 def _measured(name: str, point: Point, tolerance: float) -> tuple[Verdict, dict[str, float]]:
-    problem, (low, high) = read(name), reference(name)
+    problem = read(name)
+    low, high = reference(name)
     primal, dual, gap = residuals(problem, point)
-    value, scale = upper_bound(problem, point.x), max(1.0, abs(low))
+    value = upper_bound(problem, point.x)
+    scale = max(1.0, abs(low))
     shares = {
         "miss": primal,
         "dual_residual": dual,

@@ -92,7 +92,8 @@ class FrameJudgement(NamedTuple):
 
         A row's certificate begins with them.
         """
-        length, gap = float(self.length[row]), float(self.gap[row])
+        length = float(self.length[row])
+        gap = float(self.gap[row])
         return Judgement(
             verdict=VERDICTS[self.verdict[row]],
             false_claim=bool(self.false_claim[row]),
@@ -103,7 +104,9 @@ class FrameJudgement(NamedTuple):
     @classmethod
     def empty(cls, n: int) -> FrameJudgement:
         """Room for n rows; none is a wrong basin."""
-        codes, numbers, flags = np.empty((4, n), np.uint8), np.empty((7, n)), np.zeros((2, n), bool)
+        codes = np.empty((4, n), np.uint8)
+        numbers = np.empty((7, n))
+        flags = np.zeros((2, n), bool)
         return cls._make([*codes[:3], *numbers[:6], *flags, codes[3], numbers[6]])
 
 
@@ -127,7 +130,8 @@ class _Limits(NamedTuple):
 
 # the rates of three segments of all words: to any heading, then to a given one
 _RATES = np.concatenate((RATES, SIDES))
-_FREE, _POSED = 0, len(RATES)
+_FREE = 0
+_POSED = len(RATES)
 
 
 def judge_frame(
@@ -178,7 +182,8 @@ def judge_frame(
         path = paths.path(row, scenario)
         _write(result, row, judge(scenario, path, asked, branch, tolerances))
     # np.take is quicker than indexing where one claim holds for all rows
-    one, verdict = isinstance(codes, int), result.verdict
+    one = isinstance(codes, int)
+    verdict = result.verdict
     false = np.take(_FALSE[codes], verdict) if one else _FALSE[codes, verdict]
     return result._replace(false_claim=false)
 
@@ -349,9 +354,12 @@ def _judge_rows(
     hold the turn and the sum of all turns.
     """
     x, y, heading, tx, ty, radius, final = legs
-    verdict, length = result.verdict, result.length
-    miss, excess = result.miss, result.curvature_excess
-    turn, turns = result.gap, result.reference
+    verdict = result.verdict
+    length = result.length
+    miss = result.miss
+    excess = result.curvature_excess
+    turn = result.gap
+    turns = result.reference
     for chunk in range(begin, end, CHUNK):
         low, high = chunk_from(chunk, end)
         for i in range(low, high):

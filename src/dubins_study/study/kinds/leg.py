@@ -88,7 +88,9 @@ def _verdict(scenario: Scenario, arrived: Arrived, tolerances: Tolerances) -> Fo
     turning circle within the miss may have one.
     """
     path, branch, seen, word = arrived
-    length, radius, end = path.length, scenario.radius, seen.end
+    length = path.length
+    radius = scenario.radius
+    end = seen.end
     optimum, _ = _optimum(scenario, branch)
     reference = None if optimum is None else optimum.total * radius
     if reference is None or length < reference * (1.0 - ROUNDED):

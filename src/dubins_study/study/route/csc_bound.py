@@ -153,12 +153,14 @@ def _touching_bound(
     # e points where S would if the circles touched; E is the way between the centres along it
     direction = math.atan2(circles.dy, circles.dx) + 0.5 * _PI
     cosine, sine = math.cos(direction), math.sin(direction)
-    middle, reach = circles.dx * cosine + circles.dy * sine, circles.across
+    middle = circles.dx * cosine + circles.dy * sine
+    reach = circles.across
     # z, the straight's direction less that of e
     square = max(circles.farthest * circles.farthest - 4.0, 0.0)
     least = math.atan2(2.0, math.sqrt(square)) - 0.5 * _PI - circles.turned - SLACK
     most = math.asin(min(1.0, 0.5 * max(middle + reach, 0.0))) + SLACK
-    widest, extent = max(-least, most), abs(middle) + reach
+    widest = max(-least, most)
+    extent = abs(middle) + reach
     if widest > 1.2 or extent >= 2.0:
         return -math.inf
     along = 1.0 - 0.5 * mu
@@ -174,11 +176,16 @@ def _touching_bound(
     low, high = phase - _PI - most, phase - _PI - least
     within = (low, high + TWO_PI)
     part = within if end < 0 else (low, high + _PI) if short >= 0.0 else (low + _PI, high + TWO_PI)
-    length, phi = math.hypot(tau, along), direction + phase
+    length = math.hypot(tau, along)
+    phi = direction + phase
     if end == 0:
-        nu, within1, within2 = Costate(length, phi, mu, 0.0), part, within
+        nu = Costate(length, phi, mu, 0.0)
+        within1 = part
+        within2 = within
     else:
-        nu, within1, within2 = Costate(length, phi, 0.0, mu), within, part
+        nu = Costate(length, phi, 0.0, mu)
+        within1 = within
+        within2 = part
     value, _, _ = separated(box, -1.0, nu, within1, within2, -math.inf)
     return value + 2.0 * along * (_PI - phase) + 2.0 * tau - error
 
@@ -197,7 +204,8 @@ def _edge_bound(box: Box, circles: Circles) -> float:
     for first in range(2):
         # tau makes the bound flat in this heading, mu in that of the other arc if it may vanish
         a, c = arcs[first], arcs[1 - first]
-        rise, rise2 = slopes[first] - 1.0 + math.cos(a), slopes[1 - first] - 1.0 + math.cos(c)
+        rise = slopes[first] - 1.0 + math.cos(a)
+        rise2 = slopes[1 - first] - 1.0 + math.cos(c)
         sine, sine2 = math.sin(a), math.sin(c)
         half, half2 = 0.5 * math.cos(a), 0.5 * math.cos(c) - 1.0
         tau = rise / sine

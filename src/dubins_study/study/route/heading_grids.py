@@ -24,7 +24,8 @@ from dubins_study.study.route.leg_words import principal
 _PI = math.pi
 _ALL = 48  # headings of the whole circle
 _FINER = 0.5  # of one grid's width to the next
-_STEP_BOXES, _SURVEY_BOXES = 3, 400  # boxes a leg that take as long as a step, or as a survey
+_STEP_BOXES = 3  # boxes a leg that take as long as a step
+_SURVEY_BOXES = 400  # boxes a leg that take as long as a survey
 _UNEQUAL = 0.1  # radii; if the costs of a point's headings differ by less, none is skipped
 _PAIRS_AT_ONCE = 100_000  # a few hundredths of a second between looks at the clock
 _CHAIN_NONE, _CHAIN_ARCS, _CHAIN_ALL = range(3)  # headings from which pairs of arcs are followed
@@ -70,7 +71,8 @@ def leg_table(
 
     Shape (first, last).
     """
-    lengths, words = np.full(live.shape, math.inf), np.zeros(live.shape, np.int8)
+    lengths = np.full(live.shape, math.inf)
+    words = np.zeros(live.shape, np.int8)
     for i in range(first.size):
         for j in range(last.size):
             if live[i, j]:
@@ -92,7 +94,9 @@ def _touching_headings(x: float, y: float, heading: float, back: bool, found: Fl
         found: written, shape (4,).
     """
     if back:  # a leg driven backwards is a leg too
-        x, y, heading = -x, -y, heading + _PI
+        x = -x
+        y = -y
+        heading = heading + _PI
     n = 0
     for turn in (1.0, -1.0):
         dx, dy = x + turn * math.sin(heading), y - turn * math.cos(heading)
@@ -116,7 +120,8 @@ def _arc_headings(x: float, y: float, end: bool, found: FloatArray) -> int:
     d = math.hypot(x, y)
     if d > 2.0:
         return 0
-    chord, short = math.atan2(y, x), math.asin(0.5 * d)
+    chord = math.atan2(y, x)
+    short = math.asin(0.5 * d)
     for k in range(4):
         half = short if k < 2 else _PI - short
         found[k] = chord + (half if (k % 2 == 0) == end else -half)
@@ -148,16 +153,20 @@ def _candidates(
     is one arc, or two arcs from one of the headings at the point before (after it, if `back`), so
     that a chain of edges is followed.
     """
-    n, reach = legs.shape[0], grid.reach * width
-    tried, sizes = np.empty((n + 1, grid.most)), np.empty(n + 1, np.int64)
+    n = legs.shape[0]
+    reach = grid.reach * width
+    tried = np.empty((n + 1, grid.most))
+    sizes = np.empty(n + 1, np.int64)
     found = np.empty(4)
     for place in range(n + 1):
         i = n - place if back else place
         some = tried[i]
-        some[0], size = headings[i], 1
+        some[0] = headings[i]
+        size = 1
         if free[i]:
             for k in range(1, grid.side + 1):
-                some[size], some[size + 1] = headings[i] + k * width, headings[i] - k * width
+                some[size] = headings[i] + k * width
+                some[size + 1] = headings[i] - k * width
                 size += 2
             for leg in range(max(i - 1, 0), min(i + 1, n)):
                 m = _arc_headings(legs[leg, 0], legs[leg, 1], leg < i, found)
@@ -186,7 +195,8 @@ def _chained(
         straight = math.hypot(x, y) * (1.0 - 1e-12) - 1e-9
         cheapest = np.argmin(cost[: sizes[i]])
         unequal = cost[: sizes[i]].max() - cost[cheapest] > _UNEQUAL
-        following, enough = np.full(cost.size, math.inf), math.inf
+        following = np.full(cost.size, math.inf)
+        enough = math.inf
         for k in range(sizes[i + 1]):
             if unequal:
                 enough = cost[cheapest] + shortest_leg(x, y, tried[i, cheapest], tried[i + 1, k])[0]
@@ -197,7 +207,8 @@ def _chained(
                 # where lengths are equal nothing moves, so that the search comes to rest
                 total = cost[j] + length + (0.0 if j == 0 else 1e-14)
                 if total < following[k]:
-                    following[k], before[i, k] = total, j
+                    following[k] = total
+                    before[i, k] = j
         cost = following
     return cost
 
@@ -219,7 +230,8 @@ def _step(
     """
     n = len(legs)
     tried, sizes = _candidates(legs, headings, free, width, back, grid)
-    cost, before = np.zeros(grid.most), np.empty((n, grid.most), np.int64)
+    cost = np.zeros(grid.most)
+    before = np.empty((n, grid.most), np.int64)
     legs_at_once = 1 + _PAIRS_AT_ONCE // grid.most**2
     done = 0
     while done < n and not effort.late:

@@ -112,7 +112,8 @@ def lrl_bound(box: Box) -> float:
         _PI - math.asin(min(1.0, 0.25 * circles.farthest)) - SLACK,
         _PI - math.asin(0.25 * circles.nearest) + SLACK,
     )
-    axis, turned = math.atan2(circles.dy, circles.dx), circles.turned
+    axis = math.atan2(circles.dy, circles.dx)
+    turned = circles.turned
     rho = min(LONGEST_COSTATE, 1.0 / max(1e-3, -math.cos(0.5 * (psis[0] + psis[1]))))
     best = _triangle_bound(box, axis, psis, turned, rho, 0.0, 0.0, 0.0)
     best = max(best, 4.0 * psis[0] + turning_bound(box, -2.0 * psis[1]))

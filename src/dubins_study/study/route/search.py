@@ -48,8 +48,8 @@ _EAGER = 6  # rounds; up to this one every round has descents
 _MOST_ROUNDS = 15  # rounds of descents from a loop
 _AT_LEAST = 4  # descents a round, each from another point
 _HOPELESS = 1.5  # times the best route's length: chains this long are not worth a descent
-# times the cutoff, where there is one, and rounds from one descent to the next
-_PROMISING, _SELDOM = 1.02, 3
+_PROMISING = 1.02  # times the cutoff, where there is one
+_SELDOM = 3  # rounds from one descent to the next, where there is a cutoff
 _SOON = 0.5  # of the gap: intervals whose bounds are nearer to the best route's length wait
 _BOTH = 0.5  # weight of the gain by halving both ends of a leg, against that by halving one
 _PAIRS_AT_ONCE = 50_000  # about a tenth of a second between looks at the clock
@@ -179,8 +179,11 @@ class _Chains:
     def __init__(
         self, costs: list[FloatArray], words: list[WordArray], cyclic: bool = False
     ) -> None:
-        self.costs, self.words = costs, words
-        legs, first, last = len(costs), costs[0].shape[0], costs[-1].shape[1]
+        self.costs = costs
+        self.words = words
+        legs = len(costs)
+        first = costs[0].shape[0]
+        last = costs[-1].shape[1]
         alone = np.where(np.eye(first), 0.0, math.inf)
         self.ahead = [alone if cyclic else np.zeros((1, first))]
         self.behind = [alone if cyclic else np.zeros((1, last))]
@@ -229,7 +232,8 @@ class _Chains:
 
     def largest(self, values: list[FloatArray]) -> list[FloatArray]:
         """Largest value on each interval's best chain."""
-        ahead, behind = [values[0]], [values[-1]]
+        ahead = [values[0]]
+        behind = [values[-1]]
         for i, before in enumerate(self.before):
             ahead.append(np.maximum(values[i + 1], ahead[-1][before]))
         for i in range(len(self.costs) - 1, -1, -1):
@@ -253,8 +257,10 @@ class _Search:
         cyclic: bool = False,
         known: FloatArray | None = None,
     ) -> None:
-        self.effort, self.tolerance = effort, tolerance
-        self.cutoff, self.cyclic = cutoff, cyclic
+        self.effort = effort
+        self.tolerance = tolerance
+        self.cutoff = cutoff
+        self.cyclic = cyclic
         self.legs = np.ascontiguousarray(np.diff(np.asarray(points, np.float64), axis=0))
         self.n = len(self.legs)
         self.headings = first_route(self.legs, given, effort) if known is None else known.copy()
@@ -270,7 +276,8 @@ class _Search:
         self.slopes: FloatArray | None = None  # of the potential, at the best route
         # no path is shorter than the legs' straight lines; each is rounded, and so is their sum
         straight = float(np.hypot(self.legs[:, 0], self.legs[:, 1]).sum())
-        self.low, self.discarded = straight * (1.0 - (self.n + 4) * EPS), math.inf
+        self.low = straight * (1.0 - (self.n + 4) * EPS)
+        self.discarded = math.inf
         self.rounds = 0
         self.tried: set[tuple[int, ...]] = set()
 
@@ -342,7 +349,8 @@ class _Search:
 
     def _bound(self) -> _Chains:
         """Bounds of all live pairs of intervals."""
-        bounds, words = [], []
+        bounds = []
+        words = []
         for leg, live, (a, b) in zip(self.legs, self.live, pairwise(self.intervals), strict=True):
             bounds.append(np.empty(live.shape))
             words.append(np.empty(live.shape, np.int8))
@@ -398,7 +406,9 @@ class _Search:
             headings = self._descend_around(headings, width)
         length = route_length(self.legs, headings)
         if length < self.length:
-            self.length, self.headings, self.slopes = length, headings, None
+            self.length = length
+            self.headings = headings
+            self.slopes = None
 
     def _descend_around(self, headings: FloatArray, width: float) -> FloatArray:
         """Go downhill from a loop while it gets shorter.
@@ -407,7 +417,9 @@ class _Search:
         """
         # about half of the loop, so that every point comes to be the first
         step = next(k for k in range(self.n // 2, self.n + 1) if math.gcd(k, self.n) == 1)
-        legs, begin, length = self.legs, 0, math.inf
+        legs = self.legs
+        begin = 0
+        length = math.inf
         for _ in range(_MOST_ROUNDS):
             for _ in range(min(self.n, _AT_LEAST)):
                 begin = (begin + step) % self.n
@@ -417,7 +429,8 @@ class _Search:
                 headings = downhill(
                     legs, closed, self.varied, self.arc_ends, width, self.length, self.effort
                 )
-            before, length = length, route_length(legs, headings)
+            before = length
+            length = route_length(legs, headings)
             if length > before * (1.0 - EPS):
                 break
         own = _rolled(headings, self.n - begin)
@@ -463,17 +476,21 @@ class _Search:
         ]
         gains = self._gains(chains, wanted)
         most = chains.largest(gains)
-        aimed, self.intervals, parents = self._aimed(chains), [], []
+        aimed = self._aimed(chains)
+        self.intervals = []
+        parents = []
         for i, interval in enumerate(aimed):
             split = wanted[i] & (gains[i] >= 0.25 * most[i]) & (interval.half > _NARROWEST)
-            whole, halved = np.flatnonzero(kept[i] & ~split), np.flatnonzero(kept[i] & split)
+            whole = np.flatnonzero(kept[i] & ~split)
+            halved = np.flatnonzero(kept[i] & split)
             parents.append(np.concatenate([whole, halved, halved]))
             side = np.repeat([0.0, -0.5, 0.5], [whole.size, halved.size, halved.size])
             middle, half, slope = (column[parents[i]] for column in interval)
             halves = np.where(side == 0.0, half, 0.5 * half + OVERLAP)
             self.intervals.append(Intervals(middle + side * half, halves, slope))
         if self.cyclic:
-            parents[-1], self.intervals[-1] = parents[0], self.intervals[0]
+            parents[-1] = parents[0]
+            self.intervals[-1] = self.intervals[0]
         for i in range(self.n):
             alive = chains.through_pairs(i) * margin <= threshold
             live = np.where(alive, self.live[i], 0)
@@ -536,7 +553,8 @@ class _Search:
         gains = []
         for i, interval in enumerate(self.intervals):
             self.effort.look_at_the_clock()
-            halves, both = np.zeros((2, interval.half.size)), np.zeros(interval.half.size)
+            halves = np.zeros((2, interval.half.size))
+            both = np.zeros(interval.half.size)
             for leg, mates in ((i - 1, chains.before), (i, chains.after)):
                 if 0 <= leg < self.n:
                     ends = self.intervals[leg], self.intervals[leg + 1]

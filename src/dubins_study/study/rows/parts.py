@@ -141,7 +141,8 @@ def read_batches(file: FilePath, columns: Sequence[str] | None = None) -> Iterat
     with _reading(file), pq.ParquetFile(file, page_checksum_verification=True) as content:
         _check_schema(file, content)
         stored = [name for name in wanted.column_names if name in content.schema_arrow.names]
-        expected, rows = content.metadata.num_rows, 0
+        expected = content.metadata.num_rows
+        rows = 0
         threads = expected > _SMALL_PART_ROWS
         for batch in content.iter_batches(BATCH_ROWS, columns=stored, use_threads=threads):
             batch.validate(full=True)  # nothing else notices texts that are not UTF-8

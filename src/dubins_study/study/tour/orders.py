@@ -101,7 +101,9 @@ def _states(legs: Legs, to_go: ToGo, cutoff: float, effort: Effort) -> _Levels |
     for k in range(n):
         ahead = to_go.costs[n - 1 - k]
         kept = leave_out(sets, lasts, costs, ahead, remembered, begin, to_go.prices, cutoff)
-        sets, lasts, costs = sets[kept], lasts[kept], costs[kept]
+        sets = sets[kept]
+        lasts = lasts[kept]
+        costs = costs[kept]
         if sets.size * n > _MOST_STATES:
             return None
         keys = zip(sets.tolist(), lasts.tolist(), strict=True)
@@ -132,7 +134,8 @@ def _united(
     if not sets.size:
         return sets, lasts, costs
     order = np.lexsort((lasts, sets))
-    sets, lasts = sets[order], lasts[order]
+    sets = sets[order]
+    lasts = lasts[order]
     new = np.append(True, (np.diff(sets) != 0) | (np.diff(lasts) != 0))
     begins = np.flatnonzero(new)
     return sets[begins], lasts[begins], np.minimum.reduceat(costs[order], begins)

@@ -48,9 +48,12 @@ _LOG = logging.getLogger(__name__)
 # Most points, first intervals at each, and number of near points, itself included, that a chain
 # remembers. With more points the result is a good tour, and the least tree as a bound.
 _SIZES = ((12, 16, 5), (40, 16, 7), (62, 8, 6), (100, 8, 4))
-_ROUNDS, _LATER_ROUNDS = 40, 16  # of prices: at first, and where they are good
-_STEP, _LATER_STEP = 1.0, 0.5  # of prices: a share of Polyak's
-_SHRINK, _PATIENCE = 0.6, 3  # factor of the step, after this many rounds without a better bound
+_ROUNDS = 40  # of prices, at first
+_LATER_ROUNDS = 16  # of prices, where they are good
+_STEP = 1.0  # of prices, at first: a share of Polyak's
+_LATER_STEP = 0.5
+_SHRINK = 0.6  # factor of the step after `_PATIENCE` rounds
+_PATIENCE = 3  # rounds without a better bound
 _LEAST_STEP = 0.02
 _SOON = 1.0  # of the gap: intervals whose chains are nearer to the best tour's length wait
 _ALL_ORDERS = 4  # points up to which every order is searched
@@ -146,7 +149,9 @@ class _TourSearch:
     """
 
     def __init__(self, stops: Stops, effort: Effort, tolerance: float, seed: int) -> None:
-        self.stops, self.effort, self.tolerance = stops, effort, tolerance
+        self.stops = stops
+        self.effort = effort
+        self.tolerance = tolerance
         self.random = np.random.default_rng(seed)
         self.n = len(stops.points)
         self.order: tuple[int, ...] = tuple(range(self.n))
@@ -236,12 +241,14 @@ class _TourSearch:
         for place in np.flatnonzero(np.sin(starts.middle) > 0.0):
             part = copy(self)
             part.around = Intervals(*(column[[place]] for column in starts))
-            part.live, part.bounds = self.live.copy(), self.bounds.copy()
+            part.live = self.live.copy()
+            part.bounds = self.bounds.copy()
             try:
                 while not part.closed and part._level():
                     pass
             finally:
-                self.best, self.order = part.best, part.order
+                self.best = part.best
+                self.order = part.order
             lows.append(part.low)
         self.low = max(self.low, min(*lows, self.high))
 
@@ -266,7 +273,8 @@ class _TourSearch:
         )
         self.effort.spent += found.boxes
         if self.best is None or found.length < self.length:
-            self.best, self.order = found, order
+            self.best = found
+            self.order = order
         return found
 
     # Bounds
@@ -275,7 +283,9 @@ class _TourSearch:
         """Set up intervals of headings, and their pairs."""
         width = TWO_PI / intervals
         grid = np.linspace(0.5 * width - math.pi, math.pi - 0.5 * width, intervals)
-        middle, half, owner = [], [], []
+        middle = []
+        half = []
+        owner = []
         for i, given in enumerate(self.stops.headings):
             some = grid if given is None else np.array([math.remainder(given, TWO_PI)])
             middle.append(some)
@@ -384,7 +394,9 @@ class _TourSearch:
         Prices of points that the cheapest chain misses rise, and those of repeated points fall. A
         step is a share of the one that would close the gap, were the bound linear (Polyak 1969).
         """
-        prices, best, waited = self.prices, -math.inf, 0
+        prices = self.prices
+        best = -math.inf
+        waited = 0
         rounds, step = (_LATER_ROUNDS, _LATER_STEP) if self.priced else (_ROUNDS, _STEP)
         self.priced = True
         for _ in range(rounds):
@@ -394,7 +406,8 @@ class _TourSearch:
             if bound > best * (1.0 + 1e-6):
                 waited = 0
             if bound > best:
-                best, self.prices = bound, prices
+                best = bound
+                self.prices = prices
                 self.low = max(self.low, min(bound - self.slack, self.high))
             if waited >= _PATIENCE:
                 step *= _SHRINK
@@ -420,7 +433,8 @@ class _TourSearch:
         Returns:
             Costs of chains back from the end, of the intervals that are kept.
         """
-        ahead, behind = self._chains(self.prices), self._chains(self.prices, back=True)
+        ahead = self._chains(self.prices)
+        behind = self._chains(self.prices, back=True)
         through = cheapest_through(ahead.min(axis=1), self.bounds, behind.min(axis=1))
         through += self.prices.sum()
         self.live &= through <= self.high + self.slack
@@ -519,7 +533,8 @@ def _least_tree(stops: Stops) -> float:
     target = [] if stops.target is None or stops.closed else [stops.target]
     points = np.vstack([np.zeros((1, 2)), stops.points, *target])
     # by hand: a distance below 1e-8 is no edge to SciPy's trees
-    tree, place = 0.0, 0
+    tree = 0.0
+    place = 0
     away = np.full(len(points), math.inf)
     joined = np.zeros(len(points), np.bool_)
     for _ in range(len(points) - 1):
@@ -543,6 +558,7 @@ def _end_intervals(heading: float | None) -> Intervals:
 
 def _pair_bounds(way: FloatArray, first: Intervals, last: Intervals) -> FloatArray:
     live = np.ones((first.middle.size, last.middle.size), np.int8)
-    bounds, words = np.empty(live.shape), np.empty(live.shape, np.int8)
+    bounds = np.empty(live.shape)
+    words = np.empty(live.shape, np.int8)
     bound_leg(way, first, last, live, bounds, words)
     return bounds

@@ -23,7 +23,8 @@ _FEW = 12  # points up to which an order of straight lines is not tried
 _ON_GRID = 100  # points up to which an order is improved with headings, not with straight lines
 _IMPROVED = 200  # points up to which an order is improved at all
 _SOME = 40  # points up to which there are more headings
-_HEADINGS, _FEWER = 24, 16  # at each point
+_HEADINGS = 24  # at each point
+_FEWER = 16
 _MOST_ARCS = 24  # further ones of single arcs to near points, where there are more
 _KICKED = 62  # points up to which an order is changed and shortened anew
 _KICKS = 16  # how often
@@ -98,7 +99,8 @@ def _straight_lines(stops: Stops) -> _Grid:
 
     Each point has one heading, which does not count.
     """
-    points, ends = stops.points, np.zeros(len(stops.points))
+    points = stops.points
+    ends = np.zeros(len(stops.points))
     if stops.target is not None:
         ends = np.hypot(*(points - stops.target).T)
     begin = np.arange(len(points) + 1)
@@ -126,7 +128,8 @@ def _heading_grid(stops: Stops, effort: Effort) -> _Grid:
     n = len(stops.points)
     count = _HEADINGS if n <= _SOME else _FEWER
     evenly = np.linspace(-math.pi, math.pi, count, endpoint=False)
-    sizes, of_points = [0], []
+    sizes = [0]
+    of_points = []
     for i, given in enumerate(stops.headings):
         some = evenly if given is None else np.array([given])
         if given is None and n <= _SOME:
@@ -134,7 +137,8 @@ def _heading_grid(stops: Stops, effort: Effort) -> _Grid:
             some = np.append(evenly, arcs[:_MOST_ARCS])
         of_points.append(some)
         sizes.append(some.size)
-    begin, headings = np.cumsum(sizes), np.concatenate(of_points)
+    begin = np.cumsum(sizes)
+    headings = np.concatenate(of_points)
     effort.spend_or_end(headings.size**2 / 10)
     lengths = lengths_between(stops.points, begin, headings)
     return _Grid(begin, lengths, *_to_ends(stops, begin, headings))
@@ -252,7 +256,9 @@ def better_order(
     """
     n = order.size
     back = np.ascontiguousarray(lengths.T)
-    ahead, behind, costs = np.empty(starts.size), np.empty(starts.size), np.empty(starts.size)
+    ahead = np.empty(starts.size)
+    behind = np.empty(starts.size)
+    costs = np.empty(starts.size)
     _costs_along(order, lengths, begin, starts, ahead)
     _costs_along(order[::-1], back, begin, ends, behind)
     least = (starts + behind)[begin[order[0]] : begin[order[0] + 1]].min()
