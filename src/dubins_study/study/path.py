@@ -534,8 +534,8 @@ class Paths:
         if self.returned is not None:
             returned = np.asarray(self.returned)
             if returned.shape != (n,) or returned.dtype != np.bool_:
-                given = f"of {returned.dtype}, shape {returned.shape}"
-                raise TypeError(f"returned is an array {given}; expected booleans, shape {(n,)}")
+                actual = f"of {returned.dtype}, shape {returned.shape}"
+                raise TypeError(f"returned is an array {actual}; expected booleans, shape {(n,)}")
             object.__setattr__(self, "returned", returned)
 
     def __len__(self) -> int:

@@ -270,7 +270,7 @@ def short_word(word: str, most: int = 60) -> str:
     """
     if len(word) <= most:
         return word
-    shown = word[:most].rpartition(" ")[0] or word[:most]
+    beginning = word[:most].rpartition(" ")[0] or word[:most]
     legs = len(word.split(" "))
     count = f"{legs} legs" if legs > 1 else f"{len(word)} letters"
-    return f"{shown} ... ({count})"
+    return f"{beginning} ... ({count})"

@@ -84,7 +84,8 @@ def enclose(scenario: Scenario, branch: str = "best") -> Enclosure:
         if branch == "best":
             return _outwards(_best(X, abs(Y)), False, scenario.radius)
         word = _left_straight if branch in ("LS", "RS") else _right_left
-        return _outwards(*word(X, -Y if branch in ("RS", "LR") else Y), scenario.radius)
+        parts, absent = word(X, -Y) if branch in ("RS", "LR") else word(X, Y)
+        return _outwards(parts, absent, scenario.radius)
 
 
 class _Way(NamedTuple):
@@ -209,9 +210,9 @@ def _ceiling_of(solutions: Iterable[list[arb]]) -> arb:
 
 def _below(ceiling: arb, options: Iterable[arb]) -> list[arb]:
     """Options without their parts above the ceiling."""
-    kept = [option for option in options if not option > ceiling]
+    below = [option for option in options if not option > ceiling]
     return [
-        option.lower().union(ceiling) if option.upper() > ceiling else option for option in kept
+        option.lower().union(ceiling) if option.upper() > ceiling else option for option in below
     ]
 
 
@@ -388,7 +389,7 @@ def enclose_pose(start: Pose, end: Pose, radius: float, branch: str = "best") ->
             if branch == "best":
                 words = [lengths for word in WORDS6 if (lengths := _lengths(word, ends, signs))]
                 least = _ceiling_of([*words, *sure])
-                parts += _below(least, [length for word in words for length in word])
+                parts += _below(least, chain(*words))
             else:
                 lengths = _lengths(branch, ends, signs)
                 parts += lengths
@@ -511,7 +512,8 @@ def _quarter_arcsine(d: arb) -> arb:
     Only distances that are at most 4 count.
     """
     low, high = d.lower(), d.upper()
-    return (low / 4).asin().union((high / 4).asin() if high < 4 else arb.pi() / 2)
+    highest = (high / 4).asin() if high < 4 else arb.pi() / 2
+    return (low / 4).asin().union(highest)
 
 
 def _with_turns(

@@ -152,8 +152,8 @@ def _merged(rate: FloatArray, scaled: FloatArray) -> tuple[FloatArray, FloatArra
     turns = np.abs(u) * length > NO_TURN
     if turns.all():
         return u, length
-    kept = turns | (length > NO_LENGTH * min(1.0, float(length.sum())))
-    return _joined(np.where(turns, u, 0.0)[kept], length[kept])
+    mask = turns | (length > NO_LENGTH * min(1.0, float(length.sum())))
+    return _joined(np.where(turns, u, 0.0)[mask], length[mask])
 
 
 def _is_same(merged: tuple[FloatArray, FloatArray], driven: tuple[FloatArray, FloatArray]) -> bool:
@@ -202,13 +202,13 @@ def extremal(
     u and lengths (radii); `free` says whether its final heading is.
     """
     # in the frame of the start, where angles are small; the costates are turned back at the end
-    asked = conditions(u, length, _ORIGIN)
-    if asked is None:
+    path_conditions = conditions(u, length, _ORIGIN)
+    if path_conditions is None:
         return None
-    hamiltonian = asked.hamiltonian
-    straight = asked.straight
-    arcs = asked.arcs
-    ends = asked.ends if free else []
+    hamiltonian = path_conditions.hamiltonian
+    straight = path_conditions.straight
+    arcs = path_conditions.arcs
+    ends = path_conditions.ends if free else []
     # rows of zeros keep the matrix as high as it is wide
     matrix = np.array([*hamiltonian, *straight, *ends, *[(0.0,) * 4] * 3])
     null_vector = np.linalg.svd(matrix, full_matrices=False)[2][-1].tolist()
@@ -225,7 +225,7 @@ def extremal(
     best = signed[margins.index(margin)]
     H = largest(hamiltonian, best)
     nu0, nu1, nu2, nu3 = best
-    transversality = abs(nu3) / asked.stretch if free else None
+    transversality = abs(nu3) / path_conditions.stretch if free else None
     if not abnormal:
         nu1, nu2 = nu1 / nu0, nu2 / nu0
     c, s = math.cos(heading), math.sin(heading)

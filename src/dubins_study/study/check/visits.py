@@ -70,19 +70,19 @@ def visits(
     at = 0.0
     nearest = 0.0
     miss = 0.0
-    found: list[float] = []
+    arc_lengths: list[float] = []
     for stop in via:
         after = 0.0 if any_order else at
         at, reached, distance = pieces.visit(stop, after, allowed / radius)
         nearest = reached if any_order else max(nearest, reached)
         miss = max(miss, distance * radius)
-        found.append(min(nearest * radius, path.length))
-    order = np.argsort(found, kind="stable").tolist()
-    along = [found[i] for i in order]
+        arc_lengths.append(min(nearest * radius, path.length))
+    order = np.argsort(arc_lengths, kind="stable").tolist()
+    along = [arc_lengths[i] for i in order]
     poses = tuple(Pose(*pose) for pose in path.at(np.array(along)).tolist())
     turned = 0.0
     for i, pose in zip(order, poses, strict=True):
-        turned = max(turned, off_heading(via[i].heading, pose.heading, found[i] / radius))
+        turned = max(turned, off_heading(via[i].heading, pose.heading, arc_lengths[i] / radius))
     return Visits(tuple(along), poses, tuple(order), miss, turned)
 
 
@@ -125,7 +125,7 @@ class _Pieces:
             near. If it never is within, the last two are of its least distance after `at`, and the
             first equals the second.
         """
-        x, y, given = stop
+        x, y, heading = stop
         if not self.length.size:
             return 0.0, 0.0, math.hypot(x - self.last.x, y - self.last.y) / self.radius
         n = self.length.size
@@ -141,7 +141,7 @@ class _Pieces:
                         break
                     last += 1
                 passings.append((first, last))
-                if given is None or self._fits(given, begin + last, nearest[last]):
+                if heading is None or self._fits(heading, begin + last, nearest[last]):
                     passings = passings[-1:]
                     break
             else:
@@ -225,5 +225,5 @@ def legs(path: Path, at: Sequence[float], radius: float) -> Iterator[Path]:
     cuts = [0.0, *at, float(ends[-1])]
     for start, begin, end in zip(starts, cuts, cuts[1:], strict=False):
         those, lengths = cut_out(ends, begin, end)
-        kept = lengths > CUT * min(radius, lengths.sum())
-        yield Path(Pose(*start), path.curvatures[those][kept], lengths[kept])
+        mask = lengths > CUT * min(radius, lengths.sum())
+        yield Path(Pose(*start), path.curvatures[those][mask], lengths[mask])

@@ -277,7 +277,7 @@ def _best_chunk(low: Index, high: Index, scenarios: ScenarioArrays, rows: Rows) 
     length, segments, word = rows
     first = segments[0]
     second = segments[1]
-    left = 0
+    rows_left = 0
     for i in range(low, high):
         sine, cosine = sine_cosine(heading[i])
         X, Y, four_delta = to_local(x[i], y[i], sine, cosine, tx[i], ty[i], radius[i])
@@ -285,7 +285,7 @@ def _best_chunk(low: Index, high: Index, scenarios: ScenarioArrays, rows: Rows) 
         second[i] = abs(Y)
         length[i] = four_delta
         word[i] = 0 if Y >= 0.0 else 1
-        left += not (abs(heading[i]) <= LARGEST_ANGLE)
+        rows_left += not (abs(heading[i]) <= LARGEST_ANGLE)
     for i in range(low, high):
         a, b, code, clear = _best(first[i], second[i], word[i])
         a *= radius[i]
@@ -294,8 +294,8 @@ def _best_chunk(low: Index, high: Index, scenarios: ScenarioArrays, rows: Rows) 
         second[i] = b
         length[i] = a + b if clear > length[i] else math.nan
         word[i] = code
-        left += not (length[i] <= LARGEST)
-    return left
+        rows_left += not (length[i] <= LARGEST)
+    return rows_left
 
 
 @threaded

@@ -53,8 +53,8 @@ class _Announcement(event.Listener):
         module = compiling.data["dispatcher"].py_func.__module__
         part = next((part for part in _PARTS if module.startswith(f"{_PACKAGE}.{part}")), None)
         # the check of rows is compiled with the loops over them, of whichever legs
-        said = self.announced - {"study.route"} if part == "study" else self.announced & {part}
-        if part is None or said or self.depth > 1:
+        announced = self.announced - {"study.route"} if part == "study" else self.announced & {part}
+        if part is None or announced or self.depth > 1:
             return
         self.announced.add(part)
         loops, seconds = _PARTS[part]
@@ -153,11 +153,11 @@ def threaded(function: Loop) -> Loop:
             return
         rows = PIECE * math.ceil(n / (PIECE * PIECES * threads))
         with ThreadPoolExecutor(threads) as pool:
-            asked = [
+            pieces = [
                 pool.submit(loop, begin, min(begin + rows, n), *arguments)
                 for begin in range(0, n, rows)
             ]
-            for piece in asked:
+            for piece in pieces:
                 piece.result()
 
     return run

@@ -298,5 +298,5 @@ def pose_path(start: Pose, end: Pose, radius: float, branch: str = "best") -> Pa
 
     None where the branch has none.
     """
-    found = shortest_to_pose(start, end, radius, branch)
-    return None if found is None else as_path(start, radius, found.word, found.segments)
+    shortest = shortest_to_pose(start, end, radius, branch)
+    return None if shortest is None else as_path(start, radius, shortest.word, shortest.segments)

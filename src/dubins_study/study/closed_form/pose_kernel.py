@@ -311,7 +311,7 @@ def _best_block(
     least = scratch[6]
     low = np.uint64(begin)
     n = np.uint64(end - begin)
-    left = 0
+    rows_left = 0
     for j in range(n):
         i = low + j
         X[j], Y[j], sine[j], cosine[j], angle = to_body(
@@ -319,7 +319,7 @@ def _best_block(
         )
         reducible = (abs(heading[i]) <= LARGEST_ANGLE) & (abs(final[i]) <= LARGEST_ANGLE)
         turn[j] = angle if reducible else math.nan
-        left += not reducible
+        rows_left += not reducible
     for j in range(n):
         i = low + j
         t, p, q, code, clear, least[j] = _with_straight(X[j], Y[j], sine[j], cosine[j], turn[j])
@@ -327,7 +327,7 @@ def _best_block(
         _write(i, t, p, q, code, radius[i], rows)
         sound = _is_clear(clear, x[i], y[i], tx[i], ty[i], radius[i])
         length[i] = length[i] if sound else math.nan
-        left += not (length[i] <= LARGEST)
+        rows_left += not (length[i] <= LARGEST)
     count = 0
     for j in range(n):
         waiting[count] = j
@@ -344,10 +344,10 @@ def _best_block(
         i = low + np.uint64(waiting[k])
         if not _is_clear(turn[k], x[i], y[i], tx[i], ty[i], radius[i]):
             length[i] = math.nan
-            left += 1
+            rows_left += 1
         elif X[k] + Y[k] + sine[k] < best[k] and length[i] <= LARGEST:
             _write(i, X[k], Y[k], sine[k], int(cosine[k]), radius[i], rows)
-    return left
+    return rows_left
 
 
 @inlined

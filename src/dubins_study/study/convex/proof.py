@@ -110,8 +110,8 @@ def closing_columns(problem: Problem) -> dict[int, tuple[int, float]]:
     columns = problem.A.tocsc()
     alone = np.flatnonzero((np.diff(columns.indptr) == 1) & (problem.p == 0) & (problem.q == 0))
     places = columns.indptr[alone]
-    found = zip(columns.indices[places], alone, columns.data[places], strict=True)
-    return {int(row): (int(column), float(a)) for row, column, a in found if problem.equal[row]}
+    entries = zip(columns.indices[places], alone, columns.data[places], strict=True)
+    return {int(row): (int(column), float(a)) for row, column, a in entries if problem.equal[row]}
 
 
 def _closed(problem: Problem, x: FloatArray) -> FloatArray:
@@ -159,9 +159,9 @@ def _feasible_objective(problem: Problem, x: FloatArray) -> float | None:
             column, factor = closing[row]
             point[column] += (arb(problem.u[row]) - values[row]) / arb(factor)
         ends = zip(problem.equal, problem.l, problem.u, values, strict=True)
-        kept = all(equal or _between(low, value, high) for equal, low, high, value in ends)
+        rows_hold = all(equal or _between(low, value, high) for equal, low, high, value in ends)
         bounds = zip(problem.lb, point, problem.ub, strict=True)
-        if not (kept and all(_between(low, value, high) for low, value, high in bounds)):
+        if not (rows_hold and all(_between(low, value, high) for low, value, high in bounds)):
             return None
         total = _dot(problem.q, point) + _dot(problem.p, [value * value for value in point]) / 2
         inside = [
@@ -275,10 +275,10 @@ def judge_convex(
         low, high = reference(name)
         problem = read(name)
         if numbers is not None and numbers.size == problem.numbers and np.isfinite(numbers).all():
-            verdict, measured = _measured(name, problem.split(numbers), tolerance)
-            shares |= measured
-    kept = max(shares.get(name, np.inf) for name in ("miss", "dual_residual", "duality_gap"))
-    wrong = verdict is not Verdict.OPTIMAL and not kept <= tolerance
+            verdict, columns = _measured(name, problem.split(numbers), tolerance)
+            shares |= columns
+    worst = max(shares.get(name, np.inf) for name in ("miss", "dual_residual", "duality_gap"))
+    wrong = verdict is not Verdict.OPTIMAL and not worst <= tolerance
     false = claim is Claim.INFEASIBLE or (claim is Claim.OPTIMAL and wrong)
     proof = Proof.PROVED if verdict is Verdict.OPTIMAL else Proof.NONE
     return (

@@ -66,6 +66,11 @@ _FALSE = np.array([[is_false(claim, verdict) for verdict in VERDICTS] for claim 
 _DENIALS = list(map(CLAIMS.index, DENIALS))
 
 
+def _number(value: float) -> float | None:
+    """Number as a Python float; None for NaN."""
+    return None if math.isnan(value) else float(value)
+
+
 class FrameJudgement(NamedTuple):
     """Judgements of n rows, as arrays of shape (n,).
 
@@ -92,13 +97,11 @@ class FrameJudgement(NamedTuple):
 
         A row's certificate begins with them.
         """
-        length = float(self.length[row])
-        gap = float(self.gap[row])
         return Judgement(
             verdict=VERDICTS[self.verdict[row]],
             false_claim=bool(self.false_claim[row]),
-            length=None if math.isnan(length) else length,
-            gap=None if math.isnan(gap) else gap,
+            length=_number(self.length[row]),
+            gap=_number(self.gap[row]),
         )
 
     @classmethod
@@ -159,12 +162,14 @@ def judge_frame(
     result = FrameJudgement.empty(n)
     arcs = three_arcs(paths)
     free = not with_final_headings(frame)
+    rounded = 0.0 if free else ROUNDED
+    cut = 0.0 if free else CUT
     limits = _Limits(
         miss=tolerances.miss,
         curvature=tolerances.curvature,
         gap=tolerances.gap,
-        rounded=0.0 if free else ROUNDED,
-        cut=0.0 if free else CUT,
+        rounded=rounded,
+        cut=cut,
     )
     best = _shortest_free(legs, branch, result) if free else _shortest_posed(legs, branch, result)
     _name_rows(n, best, arcs[1], legs.radius, limits.cut, result.word)
@@ -178,13 +183,13 @@ def judge_frame(
         if free:
             del numbers["final_heading"]
         scenario = Scenario(**numbers, _radians=True)
-        asked = CLAIMS[codes if isinstance(codes, int) else codes[row]]
+        code = codes if isinstance(codes, int) else codes[row]
         path = paths.path(row, scenario)
-        _write(result, row, judge(scenario, path, asked, branch, tolerances))
+        _write(result, row, judge(scenario, path, CLAIMS[code], branch, tolerances))
     # np.take is quicker than indexing where one claim holds for all rows
-    one = isinstance(codes, int)
+    one_claim = isinstance(codes, int)
     verdict = result.verdict
-    false = np.take(_FALSE[codes], verdict) if one else _FALSE[codes, verdict]
+    false = np.take(_FALSE[codes], verdict) if one_claim else _FALSE[codes, verdict]
     return result._replace(false_claim=false)
 
 
@@ -242,12 +247,12 @@ def _judge_nothing(
         result.reference_word[gone] = NO_WORD
 
 
-def _write(result: FrameJudgement, row: int, judged: Judgement) -> None:
+def _write(result: FrameJudgement, row: int, judgement: Judgement) -> None:
     for name, texts in TEXTS.items():
-        text = getattr(judged, name)
+        text = getattr(judgement, name)
         getattr(result, name)[row] = NO_WORD if text is None else texts.index(text)
     for name in set(FrameJudgement._fields) - {*TEXTS, "false_claim"}:
-        value = getattr(judged, name)
+        value = getattr(judgement, name)
         getattr(result, name)[row] = np.nan if value is None else value
 
 
@@ -329,8 +334,8 @@ def _name_rows(
             if place < 2 and rate == _RATES[code, place + 1]:
                 continue  # one run with the next
             turns = (rate != 0.0) & (length > WORD * radius[i])
-            seen = (length > cut * min(radius[i], total)) & (turns | (length > WORD * total))
-            letter = ((2 if rate > 0.0 else 3) if turns else 1) if seen else 0
+            visible = (length > cut * min(radius[i], total)) & (turns | (length > WORD * total))
+            letter = ((2 if rate > 0.0 else 3) if turns else 1) if visible else 0
             name = name if letter == 0 or letter == name % 4 else 4 * name + letter
             length = 0.0
         names[i] = _CODES[name]

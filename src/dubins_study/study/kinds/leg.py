@@ -113,7 +113,8 @@ def _verdict(scenario: Scenario, arrived: Arrived, tolerances: Tolerances) -> Fo
         "gap": gap,
         "wrong_basin": longer and is_wrong_basin(path, word, gap, *_basins(optimum)),
     }
-    return Found(Verdict.LONGER if longer else Verdict.OPTIMAL, columns)
+    verdict = Verdict.LONGER if longer else Verdict.OPTIMAL
+    return Found(verdict, columns)
 
 
 def _known_to_delta(
@@ -147,12 +148,12 @@ def _basins(optimum: Shortest | None) -> tuple[tuple[str, ...], tuple[float, ...
     return optimum.words, (turn, -turn)[: len(optimum.words)]
 
 
-def _costates(scenario: Scenario, path: Path, judged: Judgement, until: float) -> Costates:
+def _costates(scenario: Scenario, path: Path, judgement: Judgement, until: float) -> Costates:
     """Costates and cut margin of a path.
 
     Any path that can be driven is measured, since a path is an extremal to wherever it ends.
     """
-    if judged.length is None:
+    if judgement.length is None:
         return Costates()
     return Costates(*measure(path, scenario.radius, free=True))
 

@@ -155,12 +155,12 @@ def _candidates(
     """
     n = legs.shape[0]
     reach = grid.reach * width
-    tried = np.empty((n + 1, grid.most))
+    candidates = np.empty((n + 1, grid.most))
     sizes = np.empty(n + 1, np.int64)
-    found = np.empty(4)
+    edges = np.empty(4)
     for place in range(n + 1):
         i = n - place if back else place
-        some = tried[i]
+        some = candidates[i]
         some[0] = headings[i]
         size = 1
         if free[i]:
@@ -169,21 +169,23 @@ def _candidates(
                 some[size + 1] = headings[i] - k * width
                 size += 2
             for leg in range(max(i - 1, 0), min(i + 1, n)):
-                m = _arc_headings(legs[leg, 0], legs[leg, 1], leg < i, found)
-                size = _add(some, size, found, m, reach)
+                m = _arc_headings(legs[leg, 0], legs[leg, 1], leg < i, edges)
+                size = _add(some, size, edges, m, reach)
             if place > 0 and grid.chained != _CHAIN_NONE:
                 leg, other = (i, i + 1) if back else (i - 1, i - 1)
                 arcs_alone = grid.chained == _CHAIN_ARCS and free[other]
                 for k in range(1 + 2 * grid.side if arcs_alone else 0, sizes[other]):
-                    m = _touching_headings(legs[leg, 0], legs[leg, 1], tried[other, k], back, found)
-                    size = _add(some, size, found, m, reach)
+                    m = _touching_headings(
+                        legs[leg, 0], legs[leg, 1], candidates[other, k], back, edges
+                    )
+                    size = _add(some, size, edges, m, reach)
         sizes[i] = size
-    return tried, sizes
+    return candidates, sizes
 
 
 @compiled
 def _chained(
-    legs: FloatArray, tried: FloatArray, sizes: IntArray, cost: FloatArray, before: IntArray
+    legs: FloatArray, candidates: FloatArray, sizes: IntArray, cost: FloatArray, before: IntArray
 ) -> FloatArray:
     """Least cost of chains extended over some legs.
 
@@ -199,11 +201,14 @@ def _chained(
         enough = math.inf
         for k in range(sizes[i + 1]):
             if unequal:
-                enough = cost[cheapest] + shortest_leg(x, y, tried[i, cheapest], tried[i + 1, k])[0]
+                enough = (
+                    cost[cheapest]
+                    + shortest_leg(x, y, candidates[i, cheapest], candidates[i + 1, k])[0]
+                )
             for j in range(sizes[i]):
                 if cost[j] + straight > enough:
                     continue
-                length = shortest_leg(x, y, tried[i, j], tried[i + 1, k])[0]
+                length = shortest_leg(x, y, candidates[i, j], candidates[i + 1, k])[0]
                 # where lengths are equal nothing moves, so that the search comes to rest
                 total = cost[j] + length + (0.0 if j == 0 else 1e-14)
                 if total < following[k]:
@@ -229,22 +234,22 @@ def _step(
     reached stay as they are.
     """
     n = len(legs)
-    tried, sizes = _candidates(legs, headings, free, width, back, grid)
+    candidates, sizes = _candidates(legs, headings, free, width, back, grid)
     cost = np.zeros(grid.most)
     before = np.empty((n, grid.most), np.int64)
     legs_at_once = 1 + _PAIRS_AT_ONCE // grid.most**2
-    done = 0
-    while done < n and not effort.late:
-        end = min(done + legs_at_once, n)
-        part = slice(done, end)
-        points = slice(done, end + 1)
-        cost = _chained(legs[part], tried[points], sizes[points], cost, before[part])
-        done = end
-    k = int(np.argmin(cost[: sizes[n]])) if done == n else 0
+    legs_done = 0
+    while legs_done < n and not effort.late:
+        end = min(legs_done + legs_at_once, n)
+        part = slice(legs_done, end)
+        points = slice(legs_done, end + 1)
+        cost = _chained(legs[part], candidates[points], sizes[points], cost, before[part])
+        legs_done = end
+    k = int(np.argmin(cost[: sizes[n]])) if legs_done == n else 0
     moved = False
-    for i in range(done, -1, -1):
+    for i in range(legs_done, -1, -1):
         moved |= k != 0
-        headings[i] = tried[i, k]
+        headings[i] = candidates[i, k]
         if i > 0:
             k = before[i - 1, k]
     return moved

@@ -209,15 +209,15 @@ def potential_slopes(
     fall, by_right = after
     chosen = np.empty(middle.size)
     for j in range(middle.size):
-        asked = fall[j] if by_right[j] > by_left[j] else rise[j]
+        aim = fall[j] if by_right[j] > by_left[j] else rise[j]
         if by_left[j] == BY_WORD and by_right[j] == BY_WORD:
-            asked = 0.5 * (rise[j] + fall[j])
+            aim = 0.5 * (rise[j] + fall[j])
         if not math.isnan(best) and (
             everywhere or abs(principal(middle[j] - heading)) <= 4.0 * half[j]
         ):
-            asked = best
-        asked = slope[j] if math.isnan(asked) else asked
-        chosen[j] = min(max(asked, -_STEEPEST), _STEEPEST)
+            aim = best
+        aim = slope[j] if math.isnan(aim) else aim
+        chosen[j] = min(max(aim, -_STEEPEST), _STEEPEST)
     return chosen
 
 

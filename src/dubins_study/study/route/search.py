@@ -117,17 +117,18 @@ def search(
     compile_loops()
     places = np.asarray(points, np.float64)
     between = [None] * (len(places) - 2) if via_headings is None else via_headings
-    given = [first, *between, last]
-    places_given = [i for i, heading in enumerate(given) if heading is not None]
-    asked = Effort(boxes, limit), tolerance, cutoff
+    headings = [first, *between, last]
+    places_given = [i for i, heading in enumerate(headings) if heading is not None]
+    effort = Effort(boxes, limit)
     if not closed or not places_given:
-        return _Search(places, given, *asked, cyclic=closed, known=known).run()
+        state = _Search(places, headings, effort, tolerance, cutoff, cyclic=closed, known=known)
+        return state.run()
     # a loop may begin anywhere: where a heading is given it is a route to that heading
     begin = places_given[0]
     around = np.vstack([_rolled(places, begin), places[begin]])
-    headings = [*given[begin:-1], *given[:begin], given[begin]]
-    found = _Search(around, headings, *asked).run()
-    return found.begun_at(len(found.words) - begin)
+    headings_around = [*headings[begin:-1], *headings[:begin], headings[begin]]
+    route = _Search(around, headings_around, effort, tolerance, cutoff).run()
+    return route.begun_at(len(route.words) - begin)
 
 
 def _rolled(around: FloatArray, begin: int) -> FloatArray:
@@ -279,7 +280,7 @@ class _Search:
         self.low = straight * (1.0 - (self.n + 4) * EPS)
         self.discarded = math.inf
         self.rounds = 0
-        self.tried: set[tuple[int, ...]] = set()
+        self.descended: set[tuple[int, ...]] = set()
 
     def run(self) -> Route:
         """Search until the gap is closed.
@@ -381,9 +382,9 @@ class _Search:
         The descent starts at the middles of its intervals.
         """
         route, words = chains.cheapest()
-        if words in self.tried or not self.worth(chains):
+        if words in self.descended or not self.worth(chains):
             return
-        self.tried.add(words)
+        self.descended.add(words)
         middles = [interval.middle[j] for interval, j in zip(self.intervals, route, strict=True)]
         width = max(float(interval.half.max()) for interval in self.intervals)
         self._descend(np.array(middles), 0.2 * width)
@@ -424,8 +425,8 @@ class _Search:
             for _ in range(min(self.n, _AT_LEAST)):
                 begin = (begin + step) % self.n
                 legs = np.ascontiguousarray(np.roll(legs, -step, axis=0))
-                own = _rolled(headings, step)
-                closed = np.append(own, own[0])
+                rolled = _rolled(headings, step)
+                closed = np.append(rolled, rolled[0])
                 headings = downhill(
                     legs, closed, self.varied, self.arc_ends, width, self.length, self.effort
                 )
@@ -433,8 +434,8 @@ class _Search:
             length = route_length(legs, headings)
             if length > before * (1.0 - EPS):
                 break
-        own = _rolled(headings, self.n - begin)
-        return np.append(own, own[0])
+        rolled = _rolled(headings, self.n - begin)
+        return np.append(rolled, rolled[0])
 
     def _slopes_at(self, headings: FloatArray) -> FloatArray:
         """Slopes of the potential at a route's points.
@@ -447,8 +448,8 @@ class _Search:
         ]
         words = list(route_words(self.legs, headings)[0][:, None, None])
         only = [np.zeros(1, np.intp)] * self.n
-        before = self._asked(points, words, only, True)
-        after = self._asked(points, words, only, False)
+        before = self._leg_slopes(points, words, only, forward=True)
+        after = self._leg_slopes(points, words, only, forward=False)
         if self.cyclic:
             before[0], after[-1] = before[-1], after[0]
         slopes = [
@@ -465,24 +466,24 @@ class _Search:
         threshold = self.high * (1.0 - 0.5 * self.tolerance)
         self.discarded = min(self.discarded, threshold)
         margin = 1.0 - (2 * self.n + 4) * EPS
-        kept = [through * margin <= threshold for through in chains.through]
-        if not all(some.any() for some in kept):
+        possible = [through * margin <= threshold for through in chains.through]
+        if not all(some.any() for some in possible):
             self.low = max(self.low, min(self.discarded, self.high))
             return False
         soon = self.low + _SOON * (threshold - self.low)
-        wanted = [
+        promising = [
             (through <= soon) & free
             for through, free in zip(chains.through, self.free, strict=True)
         ]
-        gains = self._gains(chains, wanted)
+        gains = self._gains(chains, promising)
         most = chains.largest(gains)
         aimed = self._aimed(chains)
         self.intervals = []
         parents = []
         for i, interval in enumerate(aimed):
-            split = wanted[i] & (gains[i] >= 0.25 * most[i]) & (interval.half > _NARROWEST)
-            whole = np.flatnonzero(kept[i] & ~split)
-            halved = np.flatnonzero(kept[i] & split)
+            split = promising[i] & (gains[i] >= 0.25 * most[i]) & (interval.half > _NARROWEST)
+            whole = np.flatnonzero(possible[i] & ~split)
+            halved = np.flatnonzero(possible[i] & split)
             parents.append(np.concatenate([whole, halved, halved]))
             side = np.repeat([0.0, -0.5, 0.5], [whole.size, halved.size, halved.size])
             middle, half, slope = (column[parents[i]] for column in interval)
@@ -506,8 +507,8 @@ class _Search:
         """
         if self.slopes is None:
             self.slopes = self._slopes_at(self.headings)
-        before = self._asked(self.intervals, chains.words, chains.before, True)
-        after = self._asked(self.intervals, chains.words, chains.after, False)
+        before = self._leg_slopes(self.intervals, chains.words, chains.before, forward=True)
+        after = self._leg_slopes(self.intervals, chains.words, chains.after, forward=False)
         if self.cyclic:
             before[0], after[-1] = before[-1], after[0]
         aimed = []
@@ -516,12 +517,18 @@ class _Search:
             if i in (0, self.n) and not self.cyclic:
                 slope = np.zeros(interval.slope.size)
             else:
-                best = self.headings[i], self.slopes[i], self.rounds == 0
-                slope = potential_slopes(interval, before[i], after[i], *best)
+                slope = potential_slopes(
+                    interval,
+                    before[i],
+                    after[i],
+                    self.headings[i],
+                    self.slopes[i],
+                    self.rounds == 0,
+                )
             aimed.append(interval._replace(slope=slope))
         return aimed
 
-    def _asked(
+    def _leg_slopes(
         self,
         intervals: list[Intervals],
         words: list[WordArray],
@@ -535,17 +542,19 @@ class _Search:
         end = 0 if forward else self.n
         size = intervals[end].middle.size
         ends_anyhow = self.free[end] and not self.cyclic
-        slope = np.full(size, 0.0 if ends_anyhow else math.nan)
-        asked = [(slope, np.full(size, BY_WORD if ends_anyhow else UNKNOWN, np.int8))]
+        slope = 0.0 if ends_anyhow else math.nan
+        source = BY_WORD if ends_anyhow else UNKNOWN
+        slopes = [(np.full(size, slope), np.full(size, source, np.int8))]
         for i in range(self.n) if forward else range(self.n - 1, -1, -1):
             self.effort.look_at_the_clock()
             ends = intervals[i], intervals[i + 1]
-            asked.append(
-                slopes_across(self.legs[i], *ends, words[i], mates[i], asked[-1][0], forward)
+            known_slopes, _ = slopes[-1]
+            slopes.append(
+                slopes_across(self.legs[i], *ends, words[i], mates[i], known_slopes, forward)
             )
-        return asked if forward else asked[::-1]
+        return slopes if forward else slopes[::-1]
 
-    def _gains(self, chains: _Chains, wanted: list[BoolArray]) -> list[FloatArray]:
+    def _gains(self, chains: _Chains, promising: list[BoolArray]) -> list[FloatArray]:
         """Gains of the bound from halving each interval.
 
         The bound is that along the best chain through the interval.
@@ -558,8 +567,17 @@ class _Search:
             for leg, mates in ((i - 1, chains.before), (i, chains.after)):
                 if 0 <= leg < self.n:
                     ends = self.intervals[leg], self.intervals[leg + 1]
-                    pairs = self.live[leg], chains.costs[leg], mates[leg]
-                    add_gains(self.legs[leg], *ends, *pairs, wanted[i], leg < i, halves, both)
+                    add_gains(
+                        self.legs[leg],
+                        *ends,
+                        self.live[leg],
+                        chains.costs[leg],
+                        mates[leg],
+                        promising[i],
+                        leg < i,
+                        halves,
+                        both,
+                    )
             # halves of this interval alone may gain nothing where halves of both ends do
             gain = np.clip(halves.min(0), 0.0, 1.0) + _BOTH * both
             gains.append((gain + 1e-3 * interval.half**2) * self.free[i])

@@ -66,15 +66,15 @@ def memories_after(near: IntArray) -> IntArray:
     for here in range(n):
         for memory in range(1, 1 << size, 2):
             for there in range(n):
-                known = False
+                remembered = False
                 following = 1
                 for k in range(size):
                     if memory >> k & 1:
-                        known |= near[here, k] == there
+                        remembered |= near[here, k] == there
                         for slot in range(1, size):
                             if near[there, slot] == near[here, k]:
                                 following |= 1 << slot
-                if not known:
+                if not remembered:
                     after[here, memory, there] = following
     return after
 
@@ -202,18 +202,18 @@ def cheapest_chain(
     for k in range(n - 1, -1, -1):
         chain[k] = owner[place]
         least = math.inf
-        found = 1
-        before = 0
+        memory_before = 1
+        place_before = 0
         for p in range(ends.size):
             for m in range(1, memories, 2):
                 if k > 0 and after[owner[p], m, owner[place]] == memory:
                     total = costs[k - 1, m, p] + bounds[p, place]
                     if total < least:
                         least = total
-                        found = m
-                        before = p
-        memory = found
-        place = before
+                        memory_before = m
+                        place_before = p
+        memory = memory_before
+        place = place_before
     return chain
 
 
@@ -295,7 +295,7 @@ def leave_out(
         to_go: costs of chains backwards, for all points that are left and the last one.
         remembered: the points of each memory, shape (points, memories).
     """
-    kept = np.zeros(sets.size, np.bool_)
+    within = np.zeros(sets.size, np.bool_)
     for state in range(sets.size):
         here = lasts[state]
         paid = prices[here]
@@ -308,7 +308,7 @@ def leave_out(
                 if remembered[here, memory] & sets[state] == 1 << here:
                     least = min(least, to_go[memory, begin[here] + place])
             if costs[state, place] + least + paid <= cutoff:
-                kept[state] = True
+                within[state] = True
             else:
                 costs[state, place] = math.inf
-    return kept
+    return within

@@ -100,18 +100,18 @@ def search_tour(
         seed: of the orders that the first tour begins with.
     """
     compile_tour_loops()
-    known = [i for i, heading in enumerate(stops.headings) if heading is not None]
-    if not stops.closed or not known:
-        found = _TourSearch(stops, Effort(boxes, limit), tolerance, seed).run()
-        return _backwards(found) if stops.closed and found.order[0] > found.order[-1] else found
-    place = known[0]
-    found = _TourSearch(stops.begun_at(place), Effort(boxes, limit), tolerance, seed).run()
+    fixed = [i for i, heading in enumerate(stops.headings) if heading is not None]
+    if not stops.closed or not fixed:
+        tour = _TourSearch(stops, Effort(boxes, limit), tolerance, seed).run()
+        return _backwards(tour) if stops.closed and tour.order[0] > tour.order[-1] else tour
+    place = fixed[0]
+    tour = _TourSearch(stops.begun_at(place), Effort(boxes, limit), tolerance, seed).run()
     # points of that search: the old start, then the old points except the one that it began at
     points = [i for i in range(len(stops.points)) if i != place]
-    began = found.order.index(0)
-    order = [points[i - 1] for i in found.order[began + 1 :]] + [place]
-    order += [points[i - 1] for i in found.order[:began]]
-    return found._replace(order=tuple(order), route=found.route.begun_at(began + 1))
+    began = tour.order.index(0)
+    order = [points[i - 1] for i in tour.order[began + 1 :]] + [place]
+    order += [points[i - 1] for i in tour.order[:began]]
+    return tour._replace(order=tuple(order), route=tour.route.begun_at(began + 1))
 
 
 def _backwards(loop: Tour) -> Tour:
@@ -258,24 +258,26 @@ class _TourSearch:
         It becomes the best if it is shorter than the cutoff.
         """
         points, headings = self.stops.route(order)
-        left = self.effort.seconds - (perf_counter() - self.effort.began)
-        found = search(
+        seconds_left = self.effort.seconds - (perf_counter() - self.effort.began)
+        boxes = _QUICK * (self.n + 1) if quick else self.effort.boxes - self.effort.spent
+        known = self.best.headings if self.best is not None and order == self.order else None
+        route = search(
             points,
             first=headings[0],
             last=headings[-1],
             via_headings=headings[1:-1],
-            limit=max(left, 0.0),
-            boxes=_QUICK * (self.n + 1) if quick else self.effort.boxes - self.effort.spent,
+            limit=max(seconds_left, 0.0),
+            boxes=boxes,
             tolerance=self.tolerance,
             cutoff=self.high,
-            known=self.best.headings if self.best is not None and order == self.order else None,
+            known=known,
             closed=self.stops.closed,
         )
-        self.effort.spent += found.boxes
-        if self.best is None or found.length < self.length:
-            self.best = found
+        self.effort.spent += route.boxes
+        if self.best is None or route.length < self.length:
+            self.best = route
             self.order = order
-        return found
+        return route
 
     # Bounds
 
@@ -286,10 +288,11 @@ class _TourSearch:
         middle = []
         half = []
         owner = []
-        for i, given in enumerate(self.stops.headings):
-            some = grid if given is None else np.array([math.remainder(given, TWO_PI)])
+        for i, heading in enumerate(self.stops.headings):
+            some = grid if heading is None else np.array([math.remainder(heading, TWO_PI)])
             middle.append(some)
-            half.append(np.full(some.size, OVERLAP + (0.5 * width if given is None else 0.0)))
+            half_width = 0.5 * width if heading is None else 0.0
+            half.append(np.full(some.size, OVERLAP + half_width))
             owner.append(np.full(some.size, i))
         self.owner = np.concatenate(owner)
         self.intervals = Intervals(
@@ -337,8 +340,8 @@ class _TourSearch:
         All intervals of a point get the slope of the best tour's potential there.
         """
         assert self.best is not None
-        points, given = self.stops.route(self.order)
-        slopes = potential_at(points, self.best.headings, given, self.stops.closed)
+        points, headings = self.stops.route(self.order)
+        slopes = potential_at(points, self.best.headings, headings, self.stops.closed)
         if self.around is not None:  # the last leg cancels the slope that the first one is given
             self.around = self.around._replace(slope=np.nan_to_num(slopes[:1]))
         of_points = np.zeros(self.n)
@@ -439,14 +442,14 @@ class _TourSearch:
         through += self.prices.sum()
         self.live &= through <= self.high + self.slack
         self.least = np.minimum(through.min(axis=0), through.min(axis=1))
-        kept = np.flatnonzero(self.live.any(axis=0) | self.live.any(axis=1))
-        self.owner = self.owner[kept]
-        self.intervals = Intervals(*(column[kept] for column in self.intervals))
-        self.live = self.live[np.ix_(kept, kept)]
-        self.bounds = np.where(self.live, self.bounds[np.ix_(kept, kept)], math.inf)
-        self.starts, self.ends = self.starts[kept], self.ends[kept]
-        self.least = self.least[kept]
-        return behind[:, :, kept]
+        places = np.flatnonzero(self.live.any(axis=0) | self.live.any(axis=1))
+        self.owner = self.owner[places]
+        self.intervals = Intervals(*(column[places] for column in self.intervals))
+        self.live = self.live[np.ix_(places, places)]
+        self.bounds = np.where(self.live, self.bounds[np.ix_(places, places)], math.inf)
+        self.starts, self.ends = self.starts[places], self.ends[places]
+        self.least = self.least[places]
+        return behind[:, :, places]
 
     def _halve(self) -> bool:
         """Halve the intervals that short tours can pass.
@@ -467,8 +470,8 @@ class _TourSearch:
         self.owner = self.owner[parents]
         self.live = self.live[np.ix_(parents, parents)]
         self.bounds = self.bounds[np.ix_(parents, parents)]
-        was = split[parents]
-        self.new = self.live & (was[:, None] | was[None, :])
+        halved = split[parents]
+        self.new = self.live & (halved[:, None] | halved[None, :])
         return True
 
     # Orders
@@ -505,23 +508,23 @@ class _TourSearch:
 
         The best tour's order comes first, the others follow by their bounds.
         """
-        left = dict(sorted(orders.items(), key=lambda item: item[1]))
+        order_bounds = dict(sorted(orders.items(), key=lambda item: item[1]))
         low = math.inf
-        for order in [self.order, *(order for order in left if order != self.order)]:
-            bound = left.get(order, 0.0)
+        for order in [self.order, *(order for order in order_bounds if order != self.order)]:
+            bound = order_bounds.get(order, 0.0)
             if order in self.searched:
                 bound = max(bound, self.searched[order].low)
             if bound < self.high * (1.0 - self.tolerance):
                 try:
                     self.effort.look_at_the_clock()
-                    found = self._search_order(order)
+                    route = self._search_order(order)
                 except SpentError:
-                    self.low = max(self.low, min(low, *left.values()))
+                    self.low = max(self.low, min(low, *order_bounds.values()))
                     raise
-                self.searched[order] = found
-                bound = max(bound, found.low)
+                self.searched[order] = route
+                bound = max(bound, route.low)
             low = min(low, bound)
-            left[order] = bound
+            order_bounds[order] = bound
         self.low = max(self.low, min(low, self.high))
 
 

@@ -58,15 +58,15 @@ def short_orders(
         return
     grid = _heading_grid(stops, effort)
     length = _shorten(order, grid, effort)
-    found = {tuple(order.tolist()): length}
+    lengths = {tuple(order.tolist()): length}
     for _ in range(_KICKS if n <= _KICKED else 0):
-        order = _kicked(min(found, key=found.__getitem__), random)
+        order = _kicked(min(lengths, key=lengths.__getitem__), random)
         length = _shorten(order, grid, effort)
-        found[tuple(order.tolist())] = length
-    shortest = min(found.values())
-    for tried, length in sorted(found.items(), key=lambda item: item[1]):
+        lengths[tuple(order.tolist())] = length
+    shortest = min(lengths.values())
+    for candidate, length in sorted(lengths.items(), key=lambda item: item[1]):
         if length <= _NEARLY * shortest:
-            yield tried
+            yield candidate
 
 
 def _kicked(order: tuple[int, ...], random: np.random.Generator) -> IntArray:
@@ -109,12 +109,12 @@ def _straight_lines(stops: Stops) -> _Grid:
 
 def _nearest_neighbours(points: FloatArray) -> IntArray:
     """Order that goes to the nearest point left."""
-    left = list(range(len(points)))
+    unvisited = list(range(len(points)))
     here = np.zeros(2)
     order = []
-    while left:
-        away = np.hypot(*(points[left] - here).T)
-        following = left.pop(int(away.argmin()))
+    while unvisited:
+        away = np.hypot(*(points[unvisited] - here).T)
+        following = unvisited.pop(int(away.argmin()))
         order.append(following)
         here = points[following]
     return np.array(order)
@@ -130,9 +130,9 @@ def _heading_grid(stops: Stops, effort: Effort) -> _Grid:
     evenly = np.linspace(-math.pi, math.pi, count, endpoint=False)
     sizes = [0]
     of_points = []
-    for i, given in enumerate(stops.headings):
-        some = evenly if given is None else np.array([given])
-        if given is None and n <= _SOME:
+    for i, heading in enumerate(stops.headings):
+        some = evenly if heading is None else np.array([heading])
+        if heading is None and n <= _SOME:
             arcs = _arc_headings(stops.points - stops.points[i])
             some = np.append(evenly, arcs[:_MOST_ARCS])
         of_points.append(some)
