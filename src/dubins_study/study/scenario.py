@@ -124,7 +124,13 @@ class Scenario:
         no_target = target_x is None and target_y is None
         ends_anywhere = self.closed or (self.order is Order.FREE and no_target)
         if ends_anywhere:
-            _refuse_target(self.closed, target_x, target_y, final_heading, bool(self.via))
+            _refuse_target(
+                closed=self.closed,
+                target_x=target_x,
+                target_y=target_y,
+                final_heading=final_heading,
+                passes=bool(self.via),
+            )
         numbers = (x, y, heading, target_x, target_y, radius, speed, final_heading)
         for name, value in zip((*NUMBERS, "final_heading"), numbers, strict=True):
             if name in HEADINGS:

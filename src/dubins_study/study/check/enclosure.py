@@ -82,7 +82,7 @@ def enclose(scenario: Scenario, branch: str = "best") -> Enclosure:
     with ctx.workprec(_BITS):
         X, Y = _targets(scenario)
         if branch == "best":
-            return _outwards(_best(X, abs(Y)), False, scenario.radius)
+            return _outwards(_best(X, abs(Y)), absent=False, radius=scenario.radius)
         word = _left_straight if branch in ("LS", "RS") else _right_left
         parts, absent = word(X, -Y) if branch in ("RS", "LR") else word(X, Y)
         return _outwards(parts, absent, scenario.radius)
@@ -115,7 +115,8 @@ def _targets(scenario: Scenario) -> tuple[arb, arb]:
     The radius of a ball is delta.
     """
     assert scenario.target is not None
-    way = _way(scenario.start, *scenario.target, scenario.radius)
+    x, y = scenario.target
+    way = _way(scenario.start, x, y, scenario.radius)
     delta = PER_EXTENT * way.extent + PER_DISTANCE * (abs(way.X) + abs(way.Y))
     blur = delta.union(-delta)
     return way.X + blur, way.Y + blur
@@ -134,8 +135,8 @@ def _outwards(parts: Iterable[arb], absent: bool, radius: float) -> Enclosure:
         else:
             merged.append((low, high))
     if not merged:
-        return Enclosure(math.inf, math.inf, True, ())
-    return Enclosure(merged[0][0], merged[-1][1], absent, tuple(merged))
+        return Enclosure(low=math.inf, high=math.inf, absent=True, parts=())
+    return Enclosure(low=merged[0][0], high=merged[-1][1], absent=absent, parts=tuple(merged))
 
 
 def _doubles(ball: arb) -> Part:
@@ -357,8 +358,14 @@ class _Signs(NamedTuple):
         Circles change their names, sides their signs.
         """
         return _Signs(
-            *(not self.start_right, not self.start_left, not self.end_right, not self.end_left),
-            *(self.reach_rsl, self.reach_lsr, self.reach_rlr, self.reach_lrl),
+            start_left=not self.start_right,
+            start_right=not self.start_left,
+            end_left=not self.end_right,
+            end_right=not self.end_left,
+            reach_lsr=self.reach_rsl,
+            reach_rsl=self.reach_lsr,
+            reach_lrl=self.reach_rlr,
+            reach_rlr=self.reach_lrl,
         )
 
     @property
@@ -415,9 +422,14 @@ def _cells(ends: _Ends) -> Iterator[_Signs]:
     across = X * s - Y * c
     versine = 1 - c
     functions = (
-        *(Y - versine, Y + versine, across - versine, across + versine),
-        *(_square(X + s, Y - c - 1) - 4, _square(X - s, Y + c + 1) - 4),
-        *(16 - _square(X - s, Y + c - 1), 16 - _square(X + s, Y - c + 1)),
+        Y - versine,
+        Y + versine,
+        across - versine,
+        across + versine,
+        _square(X + s, Y - c - 1) - 4,
+        _square(X - s, Y + c + 1) - 4,
+        16 - _square(X - s, Y + c - 1),
+        16 - _square(X + s, Y - c + 1),
     )
     sides = [(True,) if f >= 0 else (False,) if f < 0 else (True, False) for f in functions]
     return (signs for signs in (_Signs(*cell) for cell in product(*sides)) if signs.possible)
@@ -448,22 +460,29 @@ def _lengths(word: str, ends: _Ends, signs: _Signs) -> list[arb]:
         length = _excess(p) + arb.pi() + 2 * _direction(x, y) - turn
         left = signs.start_right if x > 0 else None
         right = not signs.end_left if forward > 0 else None
-        return _with_turns(length, 2 * first - turn, first, left, first - turn, right)
+        arcs = 2 * first - turn
+        return _with_turns(
+            length, arcs=arcs, first=first, left=left, last=first - turn, right=right
+        )
     x, y = X - s, Y + c - 1
     d = _square(x, y).nonnegative_part().sqrt()
     first = _direction(x, y)
     if word == "LSL":
         left = signs.start_left if x > 0 else None
         right = signs.end_left if forward > 0 else None
-        return _with_turns(d + turn, turn, first, left, turn - first, right)
+        return _with_turns(
+            d + turn, arcs=turn, first=first, left=left, last=turn - first, right=right
+        )
     if not signs.reach_lrl:
         return []
     half = arb.pi() - _quarter_arcsine(d)
     left = not signs.reach_rsl if x < 0 else None
     right = not signs.reach_lsr if forward < 0 else None
     arcs = turn + 2 * half
-    rest = turn - first + half
-    return _with_turns(arcs + 2 * half, arcs, first + half, left, rest, right)
+    last = turn - first + half
+    return _with_turns(
+        arcs + 2 * half, arcs=arcs, first=first + half, left=left, last=last, right=right
+    )
 
 
 def _nearly_one_arc(ends: _Ends) -> Iterator[arb]:

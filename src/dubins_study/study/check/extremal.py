@@ -95,7 +95,15 @@ def measure(path: Path, radius: float, free: bool = True) -> tuple[Extremal | No
         return extremal(path.start.heading, rates, lengths, free), None
     x, y, abnormal, H, margin = costates(path.start.heading, word)
     transversality = 0.0 if free else None
-    best = Extremal(x, y, abnormal, H, margin, transversality, max(H, -margin))
+    best = Extremal(
+        costate_x=x,
+        costate_y=y,
+        abnormal=abnormal,
+        hamiltonian=H,
+        sign_margin=margin,
+        transversality=transversality,
+        pmp_residual=max(H, -margin),
+    )
     return best, cut_margin(word) if free else None
 
 
@@ -286,7 +294,14 @@ def conditions(u: list[float], length: list[float], start: Pose) -> Conditions |
     if len(pieces) == 1 and not straight[0]:
         # a single arc has a family of costates; choose the one of a straight of no length after it
         ends.append((0.0, -math.sin(end), math.cos(end), 0.0))
-    return Conditions(hamiltonian, still, arcs, stretch, ends, nu3[0])
+    return Conditions(
+        hamiltonian=hamiltonian,
+        straight=still,
+        arcs=arcs,
+        stretch=stretch,
+        ends=ends,
+        start=nu3[0],
+    )
 
 
 def largest(rows: list[Row], nu: list[float]) -> float:

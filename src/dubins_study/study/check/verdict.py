@@ -156,7 +156,7 @@ def seen_of(scenario: Scenario, path: Path, branch: str, tolerances: Tolerances)
         miss = max(math.hypot(end.x - x, end.y - y), miss)
     final = path.start.heading if scenario.closed else scenario.final_heading
     turned = max(turned, off_heading(final, end.heading, length / radius))
-    there = arrives(miss, radius, extent, length, tolerances.miss)
+    there = arrives(miss, radius, extent=extent, length=length, allowed=tolerances.miss)
     return Seen(
         visits=via_visits,
         end=end,

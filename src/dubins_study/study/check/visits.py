@@ -65,7 +65,7 @@ def visits(
         any_order: whether the visit of each point is its earliest on the whole path.
     """
     if not via:
-        return Visits((), (), (), 0.0, 0.0)
+        return Visits(at=(), poses=(), order=(), miss=0.0, turned=0.0)
     pieces = _Pieces(path, radius)
     at = 0.0
     nearest = 0.0
@@ -83,7 +83,7 @@ def visits(
     turned = 0.0
     for i, pose in zip(order, poses, strict=True):
         turned = max(turned, off_heading(via[i].heading, pose.heading, arc_lengths[i] / radius))
-    return Visits(tuple(along), poses, tuple(order), miss, turned)
+    return Visits(at=tuple(along), poses=poses, order=tuple(order), miss=miss, turned=turned)
 
 
 def off_heading(given: float | None, heading: float, driven: float) -> float:

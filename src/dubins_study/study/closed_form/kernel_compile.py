@@ -98,11 +98,11 @@ def _with_callees(function: Function) -> Function:
     Numba compiles the plain functions that it calls by name. They stay plain for Python, which runs
     them for one row without loading Numba. The function itself is returned.
     """
-    named = map(function.__globals__.get, function.__code__.co_names)
-    for called in {value for value in named if isinstance(value, FunctionType)} - _callable:
-        if called.__module__.startswith(_PACKAGE):
-            _callable.add(called)
-            register_jitable(_with_callees(called))
+    values = map(function.__globals__.get, function.__code__.co_names)
+    for callee in {value for value in values if isinstance(value, FunctionType)} - _callable:
+        if callee.__module__.startswith(_PACKAGE):
+            _callable.add(callee)
+            register_jitable(_with_callees(callee))
     return function
 
 

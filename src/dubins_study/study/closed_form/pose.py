@@ -45,7 +45,8 @@ def leg(start: Pose, end: Pose, radius: float) -> Leg:
     """Leg between two poses (docs/derivation.md, section 14)."""
     x, y = (end.x - start.x) / radius, (end.y - start.y) / radius
     extent = (abs(start.x) + abs(start.y) + abs(end.x) + abs(end.y)) / radius
-    return Leg(x, y, start.heading, end.heading, pose_delta(extent, abs(x) + abs(y)))
+    delta = pose_delta(extent, abs(x) + abs(y))
+    return Leg(x, y, a=start.heading, b=end.heading, delta=delta)
 
 
 # Python runs the functions from here to `pose_gradient` for one leg; `pose_kernel` compiles the

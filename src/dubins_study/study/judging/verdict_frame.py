@@ -160,7 +160,7 @@ def judge_frame(
     columns = {name: loop_input(frame[name]) for name in (*NUMBERS, "final_heading")}
     legs = PoseArrays(*(columns[name] for name in PoseArrays._fields))
     result = FrameJudgement.empty(n)
-    arcs = three_arcs(paths)
+    curvatures, lengths = three_arcs(paths)
     free = not with_final_headings(frame)
     rounded = 0.0 if free else ROUNDED
     cut = 0.0 if free else CUT
@@ -172,8 +172,8 @@ def judge_frame(
         cut=cut,
     )
     best = _shortest_free(legs, branch, result) if free else _shortest_posed(legs, branch, result)
-    _name_rows(n, best, arcs[1], legs.radius, limits.cut, result.word)
-    _judge_rows(n, legs, *arcs, free, best, limits, result)
+    _name_rows(n, best, lengths, legs.radius, limits.cut, result.word)
+    _judge_rows(n, legs, curvatures, lengths, free, best, limits, result)
     if paths.returned is not None:
         denied = np.isin(codes, _DENIALS) & (branch != "best")
         _judge_nothing(~paths.returned, denied, best, free, result)

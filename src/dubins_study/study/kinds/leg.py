@@ -105,13 +105,16 @@ def _verdict(scenario: Scenario, arrived: Arrived, tolerances: Tolerances) -> Fo
         if there is None:
             return Found(Verdict.MISSES, {})
         reference = there.total * radius
-    reference = _known_to_delta(scenario, branch, length, reference, tolerances.gap)
+    reference = _known_to_delta(
+        scenario, branch, length=length, reference=reference, gap=tolerances.gap
+    )
     gap = (length - reference) / max(reference, radius)
     longer = gap > tolerances.gap
+    words, turns = _basins(optimum)
     columns = {
         "reference": reference,
         "gap": gap,
-        "wrong_basin": longer and is_wrong_basin(path, word, gap, *_basins(optimum)),
+        "wrong_basin": longer and is_wrong_basin(path, word, gap, words, turns),
     }
     verdict = Verdict.LONGER if longer else Verdict.OPTIMAL
     return Found(verdict, columns)

@@ -49,7 +49,8 @@ def _reference(scenario: Scenario, branch: str, tolerances: Tolerances) -> Refer
     seconds_left = min(tolerances.until - perf_counter(), tolerances.patience * tolerances.search_s)
     route = known_route(scenario, tolerances.search_s, max(_SEARCH_SHARE * seconds_left, 0.0))
     part = (route.low, route.high)
-    return Reference(Enclosure(*part, False, (part,)), route.path, route.at)
+    enclosure = Enclosure(low=route.low, high=route.high, absent=False, parts=(part,))
+    return Reference(enclosure, route.path, route.at)
 
 
 def _interval(enclosure: Enclosure, length: float, tolerance: float) -> Part:

@@ -119,15 +119,23 @@ def search(
     between = [None] * (len(places) - 2) if via_headings is None else via_headings
     headings = [first, *between, last]
     places_given = [i for i, heading in enumerate(headings) if heading is not None]
-    effort = Effort(boxes, limit)
+    effort = Effort(boxes=boxes, seconds=limit)
     if not closed or not places_given:
-        state = _Search(places, headings, effort, tolerance, cutoff, cyclic=closed, known=known)
+        state = _Search(
+            places,
+            headings,
+            effort,
+            tolerance=tolerance,
+            cutoff=cutoff,
+            cyclic=closed,
+            known=known,
+        )
         return state.run()
     # a loop may begin anywhere: where a heading is given it is a route to that heading
     begin = places_given[0]
     around = np.vstack([_rolled(places, begin), places[begin]])
     headings_around = [*headings[begin:-1], *headings[:begin], headings[begin]]
-    route = _Search(around, headings_around, effort, tolerance, cutoff).run()
+    route = _Search(around, headings_around, effort, tolerance=tolerance, cutoff=cutoff).run()
     return route.begun_at(len(route.words) - begin)
 
 
@@ -453,8 +461,8 @@ class _Search:
         if self.cyclic:
             before[0], after[-1] = before[-1], after[0]
         slopes = [
-            potential_slopes(*each, math.nan, math.nan, False)
-            for each in zip(points, before, after, strict=True)
+            potential_slopes(point, rise, fall, math.nan, math.nan, False)
+            for point, rise, fall in zip(points, before, after, strict=True)
         ]
         return np.concatenate(slopes)
 

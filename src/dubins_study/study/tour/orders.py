@@ -109,7 +109,8 @@ def _states(legs: Legs, to_go: ToGo, cutoff: float, effort: Effort) -> _Levels |
         keys = zip(sets.tolist(), lasts.tolist(), strict=True)
         levels.append(dict(zip(keys, costs, strict=True)))
         effort.spend_or_end(sets.size * n * most**2 * CHAIN_BOXES)
-        sets, lasts, costs = _united(*extended(sets, lasts, costs, legs.bounds, begin))
+        sets, lasts, costs = extended(sets, lasts, costs, legs.bounds, begin)
+        sets, lasts, costs = _united(sets, lasts, costs)
     return levels
 
 

@@ -100,12 +100,13 @@ def search_tour(
         seed: of the orders that the first tour begins with.
     """
     compile_tour_loops()
+    effort = Effort(boxes=boxes, seconds=limit)
     fixed = [i for i, heading in enumerate(stops.headings) if heading is not None]
     if not stops.closed or not fixed:
-        tour = _TourSearch(stops, Effort(boxes, limit), tolerance, seed).run()
+        tour = _TourSearch(stops, effort, tolerance=tolerance, seed=seed).run()
         return _backwards(tour) if stops.closed and tour.order[0] > tour.order[-1] else tour
     place = fixed[0]
-    tour = _TourSearch(stops.begun_at(place), Effort(boxes, limit), tolerance, seed).run()
+    tour = _TourSearch(stops.begun_at(place), effort, tolerance=tolerance, seed=seed).run()
     # points of that search: the old start, then the old points except the one that it began at
     points = [i for i in range(len(stops.points)) if i != place]
     began = tour.order.index(0)
@@ -399,22 +400,22 @@ class _TourSearch:
         """
         prices = self.prices
         best = -math.inf
-        waited = 0
+        idle_rounds = 0
         rounds, step = (_LATER_ROUNDS, _LATER_STEP) if self.priced else (_ROUNDS, _STEP)
         self.priced = True
         for _ in range(rounds):
             costs = self._chains(prices)
             bound = float((costs[-1] + self.ends).min() + prices.sum())
-            waited += 1
+            idle_rounds += 1
             if bound > best * (1.0 + 1e-6):
-                waited = 0
+                idle_rounds = 0
             if bound > best:
                 best = bound
                 self.prices = prices
                 self.low = max(self.low, min(bound - self.slack, self.high))
-            if waited >= _PATIENCE:
+            if idle_rounds >= _PATIENCE:
                 step *= _SHRINK
-                waited = 0
+                idle_rounds = 0
             if bound == math.inf or self.closed or step < _LEAST_STEP:
                 break
             chain = cheapest_chain(costs, self.bounds, self.begin, self.after, self.ends)
@@ -483,8 +484,8 @@ class _TourSearch:
         """
         if self.n > MOST_IN_SET:
             return None
-        legs = Legs(self.begin, self.bounds, self.starts, self.ends)
-        ahead = ToGo(behind, self.near, self.prices)
+        legs = Legs(self.begin, self.bounds, starts=self.starts, ends=self.ends)
+        ahead = ToGo(costs=behind, near=self.near, prices=self.prices)
         cutoff = self.high + self.slack
         orders = orders_within(legs, ahead, cutoff, self.effort)
         if orders is None:

@@ -104,7 +104,8 @@ def _straight_lines(stops: Stops) -> _Grid:
     if stops.target is not None:
         ends = np.hypot(*(points - stops.target).T)
     begin = np.arange(len(points) + 1)
-    return _Grid(begin, cdist(points, points), np.hypot(*points.T), ends)
+    lengths = cdist(points, points)
+    return _Grid(begin, lengths, starts=np.hypot(*points.T), ends=ends)
 
 
 def _nearest_neighbours(points: FloatArray) -> IntArray:
@@ -141,7 +142,8 @@ def _heading_grid(stops: Stops, effort: Effort) -> _Grid:
     headings = np.concatenate(of_points)
     effort.spend_or_end(headings.size**2 / 10)
     lengths = lengths_between(stops.points, begin, headings)
-    return _Grid(begin, lengths, *_to_ends(stops, begin, headings))
+    starts, ends = _to_ends(stops, begin, headings)
+    return _Grid(begin, lengths, starts=starts, ends=ends)
 
 
 def _to_ends(stops: Stops, begin: IntArray, headings: FloatArray) -> tuple[FloatArray, FloatArray]:
