@@ -345,7 +345,7 @@ class Path:
             return ""  # a broken path has no word
         ripple = RIPPLE * max(map(abs, curvatures), default=0.0)
         pieces = (
-            (0 if abs(k) <= ripple else 1 if k > 0 else -1, abs(k) * length, length)
+            (_side(k, ripple), abs(k) * length, length)
             for k, length in zip(curvatures, lengths, strict=True)
         )
         runs = [
@@ -483,6 +483,13 @@ def _cuts(lengths: FloatArray, parts: NDArray[np.int_]) -> FloatArray:
     return np.append(begins + place * (lengths / parts).repeat(parts), ends[-1:].sum())
 
 
+def _side(curvature: float, ripple: float) -> int:
+    """Side of an arc: 1 left, -1 right, 0 straight."""
+    if abs(curvature) <= ripple:
+        return 0
+    return 1 if curvature > 0 else -1
+
+
 def _joined(pieces: Iterable[Piece]) -> list[Piece]:
     """Merge neighbouring pieces of the same side.
 
@@ -529,7 +536,8 @@ class Paths:
     def __post_init__(self) -> None:
         arcs, n = (*np.shape(self.curvatures), 0, 0)[:2]
         for name in ("curvatures", "lengths"):
-            array = real_array(name, getattr(self, name), (3 if arcs == 3 else 2, n))
+            rows = 3 if arcs == 3 else 2
+            array = real_array(name, getattr(self, name), (rows, n))
             object.__setattr__(self, name, array)
         if self.returned is not None:
             returned = np.asarray(self.returned)

@@ -282,7 +282,11 @@ def right_left_solutions(X: arb, Y: arb, inside: bool) -> tuple[list[arb], list[
     excess = arb.atan2(y, x) if x.mid() > 0 else arb.pi() - arb.atan2(y, -x)
     # from straight up, clockwise as R turns
     bearing = arb.atan2(X, 1 + Y) if Y.mid() > -1 else arb.pi() - arb.atan2(X, -1 - Y)
-    outside = True if X >= 0 else False if X < 0 else None  # whether first arcs are positive
+    outside = None  # whether first arcs are positive
+    if X >= 0:
+        outside = True
+    elif X < 0:
+        outside = False
     long, short = (True, False) if inside else (outside, outside)
     turn = 2 * arb.pi()
     return (
@@ -389,7 +393,8 @@ def enclose_pose(start: Pose, end: Pose, radius: float, branch: str = "best") ->
     """
     with ctx.workprec(_BITS):
         ends = _ends(start, end, radius)
-        sure = [[length] for side in (ends, ends.mirrored) for length in _nearly_one_arc(side)]
+        near_arcs = chain(_nearly_one_arc(ends), _nearly_one_arc(ends.mirrored))
+        sure = [[length] for length in near_arcs]
         parts: list[arb] = []
         absent = False
         for signs in _cells(ends):
@@ -431,8 +436,18 @@ def _cells(ends: _Ends) -> Iterator[_Signs]:
         16 - _square(X - s, Y + c - 1),
         16 - _square(X + s, Y - c + 1),
     )
-    sides = [(True,) if f >= 0 else (False,) if f < 0 else (True, False) for f in functions]
-    return (signs for signs in (_Signs(*cell) for cell in product(*sides)) if signs.possible)
+    cells = (_Signs(*cell) for cell in product(*map(_possible_signs, functions)))
+    return (signs for signs in cells if signs.possible)
+
+
+def _possible_signs(value: arb) -> tuple[bool, ...]:
+    """Whether a ball's values are not negative.
+
+    There are two answers where it holds values of both signs.
+    """
+    if value >= 0:
+        return (True,)
+    return (False,) if value < 0 else (True, False)
 
 
 def _square(x: arb, y: arb) -> arb:
@@ -543,6 +558,6 @@ def _with_turns(
     Whole turns are added to `length` for that. The sum of both outer arcs is `arcs`.
     """
     turn = 2 * arb.pi()
-    turns = {m + n for m in _turns(first, left) for n in _turns(last, right)}
+    turns = {m + n for m, n in product(_turns(first, left), _turns(last, right))}
     possible = [m for m in sorted(turns) if not (arcs + m * turn < 0 or arcs + m * turn > 2 * turn)]
     return [length + m * turn for m in possible]

@@ -117,8 +117,9 @@ def _word(u: list[float], length: list[float], free: bool) -> Word | None:
     total = sum(length)
     off = [abs(k - rate) for k, rate in zip(u, rates, strict=True)]
     # distance of the end from the end of the path at full rates
-    moved = sum(map(mul, off, length)) * total
-    if max(off) > FULL_RATE or moved > allowed_miss(ARRIVES, 1.0, 0.0, total):
+    distance = sum(map(mul, off, length)) * total
+    allowed = allowed_miss(ARRIVES, radius=1.0, extent=0.0, length=total)
+    if max(off) > FULL_RATE or distance > allowed:
         return None
     arcs = list(zip(rates, length, strict=True))
     if arcs[0][0] == 0.0:
@@ -127,10 +128,10 @@ def _word(u: list[float], length: list[float], free: bool) -> Word | None:
         arcs.insert(1, _NO_PIECE)
     first, second, third = (*arcs, _NO_PIECE, _NO_PIECE)[:3]
     if free:
-        named = len(arcs) <= 2 and second[0] in (0.0, -first[0])
+        is_word = len(arcs) <= 2 and second[0] in (0.0, -first[0])
     else:
-        named = len(arcs) <= 3 and (second[0] == 0.0 or first[0] == third[0] == -second[0])
-    return (first, second, third) if named else None
+        is_word = len(arcs) <= 3 and (second[0] == 0.0 or first[0] == third[0] == -second[0])
+    return (first, second, third) if is_word else None
 
 
 def pieces(rate: list[float], length: list[float]) -> tuple[list[float], list[float]]:
@@ -170,7 +171,7 @@ def _is_same(merged: tuple[FloatArray, FloatArray], driven: tuple[FloatArray, Fl
     Their ends and their lengths are compared.
     """
     before = float(driven[1].sum())
-    allowed = allowed_miss(ARRIVES, 1.0, 0.0, before)
+    allowed = allowed_miss(ARRIVES, radius=1.0, extent=0.0, length=before)
     if not abs(before - float(merged[1].sum())) <= allowed:
         return False
     end = end_of(_ORIGIN, *merged)

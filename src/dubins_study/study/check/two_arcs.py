@@ -123,5 +123,6 @@ def sign_margin(nu: list[float], arcs: list[tuple[float, float]]) -> float:
     for before, after in arcs:
         a, b = before - opposite, after - opposite
         passed = max(a, b) // TWO_PI > min(a, b) // TWO_PI
-        nearest = max(nearest, 1.0 if passed else max(math.cos(a), math.cos(b)))
+        nearest_on_arc = 1.0 if passed else max(math.cos(a), math.cos(b))
+        nearest = max(nearest, nearest_on_arc)
     return nu0 - math.hypot(nu1, nu2) * nearest

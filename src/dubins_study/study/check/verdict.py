@@ -133,7 +133,13 @@ def visits_of(scenario: Scenario, path: Path, allowed: float) -> Visits:
         allowed: how near the path has to come (length unit).
     """
     via = scenario.stops[: len(scenario.via)]
-    return visits(path, via, scenario.radius, allowed, any_order=scenario.order is Order.FREE)
+    return visits(
+        path,
+        via,
+        radius=scenario.radius,
+        allowed=allowed,
+        any_order=scenario.order is Order.FREE,
+    )
 
 
 def seen_of(scenario: Scenario, path: Path, branch: str, tolerances: Tolerances) -> Seen:
@@ -147,7 +153,7 @@ def seen_of(scenario: Scenario, path: Path, branch: str, tolerances: Tolerances)
     end = path.end
     pieces = zip(path.curvatures.tolist(), path.lengths.tolist(), strict=True)
     excess = curvature_excess([k * radius for k, s in pieces if s > 0], branch)
-    allowed = allowed_miss(tolerances.miss, radius, extent, length)
+    allowed = allowed_miss(tolerances.miss, radius, extent=extent, length=length)
     via_visits = visits_of(scenario, path, allowed)
     miss = via_visits.miss
     turned = via_visits.turned
@@ -155,7 +161,7 @@ def seen_of(scenario: Scenario, path: Path, branch: str, tolerances: Tolerances)
         x, y = scenario.target
         miss = max(math.hypot(end.x - x, end.y - y), miss)
     final = path.start.heading if scenario.closed else scenario.final_heading
-    turned = max(turned, off_heading(final, end.heading, length / radius))
+    turned = max(turned, off_heading(final, end.heading, driven=length / radius))
     there = arrives(miss, radius, extent=extent, length=length, allowed=tolerances.miss)
     return Seen(
         visits=via_visits,

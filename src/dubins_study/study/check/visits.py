@@ -73,7 +73,7 @@ def visits(
     arc_lengths: list[float] = []
     for stop in via:
         after = 0.0 if any_order else at
-        at, reached, distance = pieces.visit(stop, after, allowed / radius)
+        at, reached, distance = pieces.visit(stop, at=after, allowed=allowed / radius)
         nearest = reached if any_order else max(nearest, reached)
         miss = max(miss, distance * radius)
         arc_lengths.append(min(nearest * radius, path.length))
@@ -82,7 +82,8 @@ def visits(
     poses = tuple(Pose(*pose) for pose in path.at(np.array(along)).tolist())
     turned = 0.0
     for i, pose in zip(order, poses, strict=True):
-        turned = max(turned, off_heading(via[i].heading, pose.heading, arc_lengths[i] / radius))
+        driven = arc_lengths[i] / radius
+        turned = max(turned, off_heading(via[i].heading, pose.heading, driven))
     return Visits(at=tuple(along), poses=poses, order=tuple(order), miss=miss, turned=turned)
 
 
@@ -131,7 +132,9 @@ class _Pieces:
         n = self.length.size
         begin = min(int(np.searchsorted(self.ends, at, "right")) - 1, n - 1)
         for end in (min(begin + _PIECES_AT_ONCE, n), n):
-            within, nearest, distance = self._passing(slice(begin, end), x, y, at, allowed)
+            within, nearest, distance = self._passing(
+                slice(begin, end), x, y, at=at, allowed=allowed
+            )
             passings = []
             for first in np.flatnonzero(~np.isnan(within)).tolist():
                 last = first
@@ -141,7 +144,7 @@ class _Pieces:
                         break
                     last += 1
                 passings.append((first, last))
-                if heading is None or self._fits(heading, begin + last, nearest[last]):
+                if heading is None or self._fits(heading, piece=begin + last, along=nearest[last]):
                     passings = passings[-1:]
                     break
             else:

@@ -11,6 +11,7 @@ import logging
 import math
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
+from itertools import chain
 from pathlib import Path
 from types import FunctionType
 from typing import Any, TypeVar, cast
@@ -70,11 +71,8 @@ event.register("numba:compile", _Announcement())  # type: ignore[no-untyped-call
 
 # the sources that a loop can call or take a constant from
 _STUDY = Path(__file__).parents[1]
-_FILES = sorted(
-    file
-    for folder in ("", "closed_form", "route", "tour", "check", "judging")
-    for file in (_STUDY / folder).glob("*.py")
-)
+_FOLDERS = ("", "closed_form", "route", "tour", "check", "judging")
+_FILES = sorted(chain.from_iterable((_STUDY / folder).glob("*.py") for folder in _FOLDERS))
 _SOURCES = hashlib.sha256(b"".join(file.read_bytes() for file in _FILES)).hexdigest()[:12]
 
 

@@ -212,7 +212,7 @@ def lower_bound(problem: Problem, point: Point) -> float:
         pushes = _rows(csr_array(problem.C.T), cones)
         columns = zip(problem.p, problem.q, problem.lb, problem.ub, pulls, pushes, strict=True)
         for p, q, low, high, pull, push in columns:
-            total += _least(arb(p), arb(q) + pull - push, arb(low), arb(high))
+            total += _least(arb(p), arb(q) + pull - push, low=arb(low), high=arb(high))
         return float(total.lower())
 
 

@@ -85,7 +85,9 @@ def miss_reason(
     seen = seen_of(scenario, path, branch, tolerances)
     if seen.excess > tolerances.curvature:
         return f"the curvature is {seen.excess:.3g} / R beyond what the branch allows"
-    if seen.miss > allowed_miss(tolerances.miss, radius, scenario.extent, path.length):
+    if seen.miss > allowed_miss(
+        tolerances.miss, radius, extent=scenario.extent, length=path.length
+    ):
         if seen.visits.miss == seen.miss:
             in_order = ", in their order" if scenario.order is Order.GIVEN else ""
             return f"the path passes {seen.miss / radius:.3g} R from a via point{in_order}"

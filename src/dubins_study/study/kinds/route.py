@@ -47,7 +47,8 @@ def _reference(scenario: Scenario, branch: str, tolerances: Tolerances) -> Refer
     from dubins_study.study.kinds.shortest import known_route
 
     seconds_left = min(tolerances.until - perf_counter(), tolerances.patience * tolerances.search_s)
-    route = known_route(scenario, tolerances.search_s, max(_SEARCH_SHARE * seconds_left, 0.0))
+    seconds = max(_SEARCH_SHARE * seconds_left, 0.0)
+    route = known_route(scenario, search_s=tolerances.search_s, seconds=seconds)
     part = (route.low, route.high)
     enclosure = Enclosure(low=route.low, high=route.high, absent=False, parts=(part,))
     return Reference(enclosure, route.path, route.at)
@@ -70,7 +71,7 @@ def _costates(scenario: Scenario, path: Path, judgement: Judgement, until: float
         return Costates()  # other conditions, at the start and where a heading is given
     free = scenario.final_heading is None and not scenario.closed
     ends = (judgement.visits or [])[: scenario.legs - 1]
-    return Costates(route_extremal(path, ends, scenario.radius, free, until))
+    return Costates(route_extremal(path, ends, scenario.radius, free=free, until=until))
 
 
 ROUTE = Kind(

@@ -133,4 +133,4 @@ def known_route(scenario: Scenario, search_s: float, seconds: float) -> Shortest
     last = _known.get(scenario)
     if last is not None and (last.boxes >= boxes or last.seconds >= _AS_LONG * seconds):
         return last.route
-    return shortest_route(scenario, seconds, boxes)
+    return shortest_route(scenario, limit=seconds, boxes=boxes)

@@ -83,7 +83,8 @@ def _apex_bound(box: Box, circles: Circles) -> float:
     away = 0.0 if after <= total else min(after - total, TWO_PI - after)
     # both arcs may have any angle in the box
     m1, m2 = nu - _PI - box.c1, box.c2 - nu - _PI
-    within1, within2 = (m1 - box.h1, m1 + box.h1), (m2 - box.h2, m2 + box.h2)
+    within1 = (m1 - box.h1, m1 + box.h1)
+    within2 = (m2 - box.h2, m2 + box.h2)
     best = -math.inf
     for clipped in range(2 if length > 1.0 else 1):
         rho = min(length, 1.0) if clipped else min(length, LONGEST_COSTATE)

@@ -61,7 +61,8 @@ def _triangle_bound(
         rest -= 2.0 * rho * steep * (turned * turned + spread * spread)
     edge = psis[1] + turned
     nu = Costate(rho, axis - tilt + _PI, mu1, mu2)
-    within1, within2 = (-edge - tilt, edge - tilt), (-edge + tilt, edge + tilt)
+    within1 = (-edge - tilt, edge - tilt)
+    within2 = (-edge + tilt, edge + tilt)
     value, _, _ = separated(box, 1.0, nu, within1, within2, -math.inf)
     return value + rest
 
@@ -126,7 +127,8 @@ def lrl_bound(box: Box) -> float:
     psi = 0.5 * (psis[0] + psis[1])
     u, v = axis - box.c1, box.c2 - axis
     near = 2.0 * (box.h1 + box.h2 + turned)
-    short1, short2 = abs(principal(psi + u)) < near, abs(principal(psi + v)) < near
+    short1 = abs(principal(psi + u)) < near
+    short2 = abs(principal(psi + v)) < near
     # flat in the first heading if rate11 mu1 + rate12 mu2 = rise1, in the last likewise
     c, s = -4.0 * math.cos(psi), 4.0 * math.sin(psi)
     rise1, rate11, rate12 = _rates(u, box.slope1, c, s)

@@ -409,7 +409,13 @@ class _Search:
     def _descend(self, start: FloatArray, width: float) -> None:
         """Go downhill from a route; keep the best."""
         headings = downhill(
-            self.legs, start, self.varied, self.arc_ends, width, self.length, self.effort
+            self.legs,
+            start,
+            self.varied,
+            self.arc_ends,
+            width=width,
+            best=self.length,
+            effort=self.effort,
         )
         if self.cyclic:
             headings = self._descend_around(headings, width)
@@ -436,7 +442,13 @@ class _Search:
                 rolled = _rolled(headings, step)
                 closed = np.append(rolled, rolled[0])
                 headings = downhill(
-                    legs, closed, self.varied, self.arc_ends, width, self.length, self.effort
+                    legs,
+                    closed,
+                    self.varied,
+                    self.arc_ends,
+                    width=width,
+                    best=self.length,
+                    effort=self.effort,
                 )
             before = length
             length = route_length(legs, headings)

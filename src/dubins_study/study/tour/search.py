@@ -362,7 +362,8 @@ class _TourSearch:
         for i in range(self.n):
             self.effort.spend_or_end(float(np.count_nonzero(self.new[begin[i] : begin[i + 1]])))
             bounds_between(self.stops.points, begin, self.intervals, self.new, i, self.bounds)
-        self.starts, self.ends = np.zeros(size), np.zeros(size)
+        self.starts = np.zeros(size)
+        self.ends = np.zeros(size)
         first = self.around or _end_intervals(self.stops.first)
         last = self.around or _end_intervals(self.stops.last)
         for i, point in enumerate(self.stops.points):
@@ -448,7 +449,8 @@ class _TourSearch:
         self.intervals = Intervals(*(column[places] for column in self.intervals))
         self.live = self.live[np.ix_(places, places)]
         self.bounds = np.where(self.live, self.bounds[np.ix_(places, places)], math.inf)
-        self.starts, self.ends = self.starts[places], self.ends[places]
+        self.starts = self.starts[places]
+        self.ends = self.ends[places]
         self.least = self.least[places]
         return behind[:, :, places]
 

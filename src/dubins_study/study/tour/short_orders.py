@@ -59,7 +59,8 @@ def short_orders(
     grid = _heading_grid(stops, effort)
     length = _shorten(order, grid, effort)
     lengths = {tuple(order.tolist()): length}
-    for _ in range(_KICKS if n <= _KICKED else 0):
+    kicks = _KICKS if n <= _KICKED else 0
+    for _ in range(kicks):
         order = _kicked(min(lengths, key=lengths.__getitem__), random)
         length = _shorten(order, grid, effort)
         lengths[tuple(order.tolist())] = length
@@ -154,7 +155,8 @@ def _to_ends(stops: Stops, begin: IntArray, headings: FloatArray) -> tuple[Float
     circle = np.linspace(-math.pi, math.pi, 2 * _HEADINGS, endpoint=False)
     first = circle if stops.first is None else np.array([stops.first])
     last = circle if stops.last is None else np.array([stops.last])
-    starts, ends = np.zeros(headings.size), np.zeros(headings.size)
+    starts = np.zeros(headings.size)
+    ends = np.zeros(headings.size)
     for i, point in enumerate(stops.points):
         some = slice(begin[i], begin[i + 1])
         here = headings[some]
