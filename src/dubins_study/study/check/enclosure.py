@@ -475,9 +475,13 @@ def _lengths(word: str, ends: _Ends, signs: _Signs) -> list[arb]:
         length = _excess(p) + arb.pi() + 2 * _direction(x, y) - turn
         left = signs.start_right if x > 0 else None
         right = not signs.end_left if forward > 0 else None
-        arcs = 2 * first - turn
         return _with_turns(
-            length, arcs=arcs, first=first, left=left, last=first - turn, right=right
+            length,
+            arcs=2 * first - turn,
+            first=first,
+            left=left,
+            last=first - turn,
+            right=right,
         )
     x, y = X - s, Y + c - 1
     d = _square(x, y).nonnegative_part().sqrt()

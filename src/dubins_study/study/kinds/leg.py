@@ -110,11 +110,14 @@ def _verdict(scenario: Scenario, arrived: Arrived, tolerances: Tolerances) -> Fo
     )
     gap = (length - reference) / max(reference, radius)
     longer = gap > tolerances.gap
-    words, turns = _basins(optimum)
+    wrong_basin = False
+    if longer:
+        words, turns = _basins(optimum)
+        wrong_basin = is_wrong_basin(path, word, gap, words, turns)
     columns = {
         "reference": reference,
         "gap": gap,
-        "wrong_basin": longer and is_wrong_basin(path, word, gap, words, turns),
+        "wrong_basin": wrong_basin,
     }
     verdict = Verdict.LONGER if longer else Verdict.OPTIMAL
     return Found(verdict, columns)
