@@ -54,9 +54,9 @@ def route_extremal(
     legs = [leg for leg in route_legs(path, at, radius) if leg is not None]
     if len(legs) <= len(at):
         return None
-    fits = [_measured(legs, free, path.start.heading, jumps=(), until=until)]
+    fits = [_measure(legs, free, path.start.heading, jumps=(), until=until)]
     if (fits[0] is None or fits[0].pmp_residual > _EXTREMAL) and (jumps := _jumps(legs, free)):
-        fits.append(_measured(legs, free, path.start.heading, jumps=jumps, until=until))
+        fits.append(_measure(legs, free, path.start.heading, jumps=jumps, until=until))
     extremals = [fit for fit in fits if fit is not None]
     return min(extremals, key=attrgetter("pmp_residual"), default=None)
 
@@ -74,7 +74,7 @@ def _jumps(legs: Sequence[Conditions], free: bool) -> tuple[int, ...]:
     return (*first, *last)
 
 
-def _measured(
+def _measure(
     legs: Sequence[Conditions], free: bool, heading: float, jumps: Sequence[int], until: float
 ) -> Extremal | None:
     """Residuals of the costates that fit best."""

@@ -275,7 +275,7 @@ def judge_convex(
         low, high = reference(name)
         problem = read(name)
         if numbers is not None and numbers.size == problem.numbers and np.isfinite(numbers).all():
-            verdict, columns = _measured(name, problem.split(numbers), tolerance)
+            verdict, columns = _measure(name, problem.split(numbers), tolerance)
             shares |= columns
     worst = max(shares.get(name, np.inf) for name in ("miss", "dual_residual", "duality_gap"))
     wrong = verdict is not Verdict.OPTIMAL and not worst <= tolerance
@@ -287,7 +287,7 @@ def judge_convex(
     )
 
 
-def _measured(name: str, point: Point, tolerance: float) -> tuple[Verdict, dict[str, float]]:
+def _measure(name: str, point: Point, tolerance: float) -> tuple[Verdict, dict[str, float]]:
     problem = read(name)
     low, high = reference(name)
     primal, dual, gap = residuals(problem, point)

@@ -33,7 +33,7 @@ _SHORTEST_STRAIGHT = 0.05  # radii; for a shorter S the derivative does not boun
 
 
 @separate
-def _seen(circles: Circles, heading: float) -> tuple[float, float]:
+def _last_centre(circles: Circles, heading: float) -> tuple[float, float]:
     """Position of the last centre from the first.
 
     Distances ahead and to the left, seen along a heading.
@@ -69,8 +69,8 @@ def _apex_bound(box: Box, circles: Circles) -> float:
     farthest = circles.farthest
     sine = abs(math.sin(box.c2 - box.c1))
     bent = 0.5 * (1.0 + farthest) * (box.h1 + box.h2) ** 2 + SLACK
-    along1, left1 = _seen(circles, box.c1)
-    along2, left2 = _seen(circles, box.c2)
+    along1, left1 = _last_centre(circles, box.c1)
+    along2, left2 = _last_centre(circles, box.c2)
     # an arc above pi takes half a turn from the range of S's direction
     long1, long2 = _long_arcs(box, 1.0)
     if long1 or left1 + abs(along1) * box.h1 + sine * box.h2 + bent < 0.0:
