@@ -54,8 +54,8 @@ def _evaluate(text: str) -> float | None:
     if unit:
         return value if unit == "rad" else math.radians(value)
     if LARGEST_BARE < abs(value) < math.inf:
-        wanted = (
+        remedy = (
             f"write {text}deg, or {text}rad" if len(text) < 40 else "write its unit, deg or rad"
         )
-        raise AngleError(f"{short(text)[1:-1]} is more than a full turn; {wanted}")
+        raise AngleError(f"{short(text)[1:-1]} is more than a full turn; {remedy}")
     return value

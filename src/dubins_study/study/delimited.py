@@ -67,7 +67,7 @@ def column_problems(
         problems.append(f"missing column{several} {', '.join(map(repr, missing))}; {expected}")
     for name in dict.fromkeys(names):
         if name not in columns:
-            near = did_you_mean(name, [known for known in columns if known not in names])
+            near = did_you_mean(name, [column for column in columns if column not in names])
             problems.append(f"unknown column {short(name)}; {near}{expected}")
         elif names.count(name) > 1:
             problems.append(f"column {name!r} appears twice")

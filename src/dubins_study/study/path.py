@@ -57,7 +57,8 @@ class Path:
     lengths: FloatArray
 
     def __init__(self, start: Pose, curvatures: ArrayLike, lengths: ArrayLike) -> None:
-        k, s = doubles("curvatures", curvatures).copy(), doubles("lengths", lengths).copy()
+        k = doubles("curvatures", curvatures).copy()
+        s = doubles("lengths", lengths).copy()
         if k.ndim != 1 or k.shape != s.shape:
             raise ValueError(
                 f"curvatures has shape {k.shape} and lengths {s.shape}; expected one shape (n,)"
@@ -305,7 +306,8 @@ class Path:
         (m, 2). The radius is the smallest of the arcs, None for a straight path.
         """
         driven = self.lengths > 0
-        bend, lengths = np.abs(self.curvatures[driven]), self.lengths[driven]
+        bend = np.abs(self.curvatures[driven])
+        lengths = self.lengths[driven]
         sharpest = float(bend.max(initial=0.0))
         # a smaller curvature has a radius that overflows
         radius = 1 / sharpest if sharpest >= np.finfo(np.float64).tiny else None
@@ -337,12 +339,13 @@ class Path:
         `tolerance` (rad) counts as straight. A straight that is no longer than `tolerance` times
         the path's length has no letter.
         """
-        curvatures, lengths = self.curvatures.tolist(), self.lengths.tolist()
+        curvatures = self.curvatures.tolist()
+        lengths = self.lengths.tolist()
         if not (all(map(math.isfinite, curvatures)) and all(map(math.isfinite, lengths))):
             return ""  # a broken path has no word
         ripple = RIPPLE * max(map(abs, curvatures), default=0.0)
         pieces = (
-            (0 if abs(k) <= ripple else 1 if k > 0 else -1, abs(k) * length, length)
+            (_side(k, ripple), abs(k) * length, length)
             for k, length in zip(curvatures, lengths, strict=True)
         )
         runs = [
@@ -461,7 +464,8 @@ def outline(path: Path, angle: float = 0.05) -> tuple[FloatArray, FloatArray]:
         Shapes (m + 1, 3) and (m,).
     """
     driven = path.lengths > 0
-    curvatures, lengths = path.curvatures[driven], path.lengths[driven]
+    curvatures = path.curvatures[driven]
+    lengths = path.lengths[driven]
     turn = np.abs(curvatures) * lengths
     angle = max(angle, turn.sum() / _MOST_PARTS)
     parts = np.maximum(np.ceil(turn / angle), 1.0).astype(int)
@@ -477,6 +481,13 @@ def _cuts(lengths: FloatArray, parts: NDArray[np.int_]) -> FloatArray:
     place = np.arange(parts.sum()) - (parts.cumsum() - parts).repeat(parts)
     begins = (ends - lengths).repeat(parts)
     return np.append(begins + place * (lengths / parts).repeat(parts), ends[-1:].sum())
+
+
+def _side(curvature: float, ripple: float) -> int:
+    """Side of an arc: 1 left, -1 right, 0 straight."""
+    if abs(curvature) <= ripple:
+        return 0
+    return 1 if curvature > 0 else -1
 
 
 def _joined(pieces: Iterable[Piece]) -> list[Piece]:
@@ -499,7 +510,8 @@ def drivable(path: Path) -> bool:
 
     All numbers and their sums must be finite, and no length negative.
     """
-    curvatures, lengths = path.curvatures.tolist(), path.lengths.tolist()
+    curvatures = path.curvatures.tolist()
+    lengths = path.lengths.tolist()
     turned = sum(map(mul, curvatures, lengths))
     sums = sum(curvatures), sum(lengths), turned, *path.start
     return all(map(math.isfinite, sums)) and min(lengths, default=0.0) >= 0
@@ -524,13 +536,14 @@ class Paths:
     def __post_init__(self) -> None:
         arcs, n = (*np.shape(self.curvatures), 0, 0)[:2]
         for name in ("curvatures", "lengths"):
-            array = real_array(name, getattr(self, name), (3 if arcs == 3 else 2, n))
+            rows = 3 if arcs == 3 else 2
+            array = real_array(name, getattr(self, name), (rows, n))
             object.__setattr__(self, name, array)
         if self.returned is not None:
             returned = np.asarray(self.returned)
             if returned.shape != (n,) or returned.dtype != np.bool_:
-                given = f"of {returned.dtype}, shape {returned.shape}"
-                raise TypeError(f"returned is an array {given}; expected booleans, shape {(n,)}")
+                actual = f"of {returned.dtype}, shape {returned.shape}"
+                raise TypeError(f"returned is an array {actual}; expected booleans, shape {(n,)}")
             object.__setattr__(self, "returned", returned)
 
     def __len__(self) -> int:

@@ -6,7 +6,8 @@ import numpy as np
 
 from dubins_study.study.arrays import FloatArray
 
-_SIDE, _MARGIN = 300.0, 10.0  # pixels of the longer side, and around it
+_SIDE = 300.0  # pixels of the longer side
+_MARGIN = 10.0  # pixels around the picture
 
 
 def svg(points: FloatArray, caption: str) -> str:
@@ -22,14 +23,14 @@ def svg(points: FloatArray, caption: str) -> str:
     low = (points * flip).min(axis=0)
     size = np.ptp(points, axis=0)
     scale = _SIDE / float(size.max())
-    drawn = [f"{x:.2f},{y:.2f}" for x, y in (points * flip - low) * scale + _MARGIN]
-    x, y = drawn[0].split(",")
+    corners = [f"{x:.2f},{y:.2f}" for x, y in (points * flip - low) * scale + _MARGIN]
+    x, y = corners[0].split(",")
     width, height = size * scale + (2 * _MARGIN, 4 * _MARGIN)
     width = max(width, 7.5 * len(caption) + 2 * _MARGIN)
     return (
         f'<svg xmlns="http://www.w3.org/2000/svg" width="{width:.0f}" height="{height:.0f}">'
         f"<title>{caption}</title>"
-        f'<polyline points="{" ".join(drawn)}" fill="none" stroke="#0072b2" stroke-width="2" '
+        f'<polyline points="{" ".join(corners)}" fill="none" stroke="#0072b2" stroke-width="2" '
         'stroke-linejoin="round"/>'
         f'<circle cx="{x}" cy="{y}" r="4" fill="#0072b2"/>'
         f'<text x="{_MARGIN:.0f}" y="{height - 1.5 * _MARGIN:.0f}" fill="#767676" '

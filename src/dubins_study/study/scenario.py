@@ -124,7 +124,13 @@ class Scenario:
         no_target = target_x is None and target_y is None
         ends_anywhere = self.closed or (self.order is Order.FREE and no_target)
         if ends_anywhere:
-            _refuse_target(self.closed, target_x, target_y, final_heading, bool(self.via))
+            _refuse_target(
+                closed=self.closed,
+                target_x=target_x,
+                target_y=target_y,
+                final_heading=final_heading,
+                passes=bool(self.via),
+            )
         numbers = (x, y, heading, target_x, target_y, radius, speed, final_heading)
         for name, value in zip((*NUMBERS, "final_heading"), numbers, strict=True):
             if name in HEADINGS:
@@ -232,10 +238,11 @@ class Scenario:
     @property
     def stops(self) -> tuple[Stop, ...]:
         """Via points, then the target if there is one."""
-        passed = tuple(Stop(x, y, heading[0] if heading else None) for x, y, *heading in self.via)
+        via = [Stop(x, y, heading[0] if heading else None) for x, y, *heading in self.via]
         if self.target is None:
-            return passed
-        return (*passed, Stop(*self.target, self.heading if self.closed else self.final_heading))
+            return tuple(via)
+        final_heading = self.heading if self.closed else self.final_heading
+        return (*via, Stop(*self.target, final_heading))
 
     @property
     def legs(self) -> int:
@@ -352,7 +359,8 @@ DEGREES = (
     "is a number of more than a full turn, taken as radians; if it is in degrees, write the "
     "unit, such as '90deg'"
 )
-LARGEST, SMALLEST = 1e150, 1e-150  # beyond them squares overflow or vanish
+LARGEST = 1e150  # the square of a larger number overflows
+SMALLEST = 1e-150  # the square of a smaller number vanishes
 LARGEST_EXTENT = 1e13  # radii; a path of ten times as many cannot be driven to within a radius
 
 
@@ -385,7 +393,8 @@ def _via(points: Any, radians: bool) -> tuple[tuple[float, ...], ...]:
         heading = None
         if headings:
             heading = _heading(f"heading {name}", headings[0], radians, stacklevel=4)
-        via.append(point if heading is None else (*point, heading))
+        stop = point if heading is None else (*point, heading)
+        via.append(stop)
     return tuple(via)
 
 
@@ -426,8 +435,8 @@ def _refuse_target(
 
     A closed path, and a tour that may end at any point, must pass a point.
     """
-    given = {"target_x": target_x, "target_y": target_y, "final_heading": final_heading}
-    for name, value in given.items():
+    fields = {"target_x": target_x, "target_y": target_y, "final_heading": final_heading}
+    for name, value in fields.items():
         if value is not None:
             why = "a closed path ends as it starts" if closed else "the tour ends at any point"
             out = f"leave out {name} or closed" if closed else "leave it out"
@@ -447,15 +456,16 @@ def _check_neighbours(
     """
     back = target == points[0]
     if order is Order.FREE:
-        seen: dict[tuple[float, float], int] = {}
-        for place, point in enumerate(points[:-1] if back else points):
-            if point in seen:
+        places: dict[tuple[float, float], int] = {}
+        different = points[:-1] if back else points
+        for place, point in enumerate(different):
+            if point in places:
                 raise ScenarioError(
-                    f"{short(point)} is a point of the tour twice, as points {seen[point]} and "
+                    f"{short(point)} is a point of the tour twice, as points {places[point]} and "
                     f"{place} (the start is 0); expected points apart from each other, but for "
                     "a target at the start"
                 )
-            seen[point] = place
+            places[point] = place
         return
     for place, (point, following) in enumerate(pairwise(points), 1):
         if point == following:

@@ -129,8 +129,9 @@ def _doubles(frame: pd.DataFrame, name: str) -> FloatArray | None:
     """
     if name not in frame:
         default = DEFAULTS.get(name)
+        number = math.nan if default is None else default
         # takes no memory
-        return np.broadcast_to(math.nan if default is None else default, len(frame))
+        return np.broadcast_to(number, len(frame))
     if frame[name].dtype.kind not in "iuf":
         return None
     with np.errstate(over="ignore"):
@@ -165,7 +166,7 @@ def _columns_row_by_row(frame: pd.DataFrame) -> dict[str, Any]:
     """
     import pandas as pd
 
-    found = []
+    row_scenarios = []
     checked = {*COLUMNS} <= {*frame.columns}  # as this module returns it: NaN is a free heading
     for row, values in enumerate(frame.itertuples(index=False, name=None)):
         fields = dict(zip(frame.columns, values, strict=True))
@@ -173,10 +174,10 @@ def _columns_row_by_row(frame: pd.DataFrame) -> dict[str, Any]:
             heading = fields.get("heading", 0.0)
             if is_missing(heading) and not checked:
                 raise ScenarioError(f"heading is {heading}; expected a number, or {FREE!r}")
-            found.append(scenario_of(fields))
+            row_scenarios.append(scenario_of(fields))
         except ScenarioError as error:
             raise ScenarioError(f"{row_name(frame, row)}: {error}") from None
-    columns = {name: [getattr(scenario, name) for scenario in found] for name in COLUMNS}
+    columns = {name: [getattr(scenario, name) for scenario in row_scenarios] for name in COLUMNS}
     arrays: dict[str, Any] = {
         name: np.array(columns[name], np.float64) for name in (*NUMBERS, "final_heading")
     }
@@ -222,7 +223,9 @@ def row_name(frame: pd.DataFrame, row: int) -> str:
     It is the row's label.
     """
     label = frame.index[row]
-    return f"row {short(label.item() if isinstance(label, np.generic) else label)}"
+    if isinstance(label, np.generic):
+        label = label.item()
+    return f"row {short(label)}"
 
 
 def scenarios(frame: pd.DataFrame) -> Iterator[Scenario]:

@@ -49,15 +49,15 @@ def parse_spec(spec: str) -> Spec:
     match = _SPEC.fullmatch(spec.strip())
     if match is None:
         raise SolverError(f"solver {spec!r} does not parse; expected name or name[setting=value]")
-    given: dict[str, str] = {}
+    settings: dict[str, str] = {}
     for item in filter(None, (match["settings"] or "").split(",")):
         key, equals, value = (part.strip() for part in item.partition("="))
         if not (key and equals and value):
             raise SolverError(f"solver {spec!r}: {item!r} does not parse; expected setting=value")
-        if key in given:
+        if key in settings:
             raise SolverError(f"solver {spec!r}: {key} is given twice; expected each setting once")
-        given[key] = value
-    return Spec(match["name"].strip(), given)
+        settings[key] = value
+    return Spec(match["name"].strip(), settings)
 
 
 def name_of(spec: str) -> str:
@@ -98,4 +98,4 @@ def written_out(spec: str) -> list[str]:
         raise SolverError(
             f"solver {spec!r:.80}: more than {MOST_SPECS} specs, braces written out; expected fewer"
         )
-    return ["".join(map(str.strip, chosen)) for chosen in itertools.product(*choices)]
+    return ["".join(map(str.strip, choice)) for choice in itertools.product(*choices)]

@@ -96,8 +96,8 @@ def plane_at(origin: Any) -> TangentPlane:
     except (TypeError, ValueError, OverflowError):  # no pair, or no numbers
         latitude = longitude = math.nan
     if not (abs(latitude) < 90 and abs(longitude) <= 180):
-        wanted = "latitude between -90 and 90 and longitude up to 180 degrees"
-        raise PlaceError(f"origin is {short(origin)}; expected {wanted}")
+        expected = "latitude between -90 and 90 and longitude up to 180 degrees"
+        raise PlaceError(f"origin is {short(origin)}; expected {expected}")
     return TangentPlane(latitude, longitude)
 
 

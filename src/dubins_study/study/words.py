@@ -92,98 +92,136 @@ _EQUATIONS = "the same as the joint NLP, with equations that these engines take 
 # the other, or the better of both.
 FORMULATION_LIST = (
     Formulation(
-        *("closed form", "closed form", {EXACT: "analytic"}),
-        dict.fromkeys(_KINDS, _FORMULA),
+        name="closed form",
+        short="closed form",
+        specs={EXACT: "analytic"},
+        reasons=dict.fromkeys(_KINDS, _FORMULA),
         knows="formula",
     ),
     Formulation(
-        *("one NLP a word", "word NLPs"),
-        {NLP: "nlp[engine={}]", PROVEN: "global-nlp[engine={},model=words]"},
+        name="one NLP a word",
+        short="word NLPs",
+        specs={NLP: "nlp[engine={}]", PROVEN: "global-nlp[engine={},model=words]"},
         knows="words",
         several=True,
     ),
     Formulation(
-        *("joint NLP, LRS", "joint LRS"),
-        {NLP: "nlp[engine={},model=joint,order=LRS]", PROVEN: "global-nlp[engine={},order=LRS]"},
+        name="joint NLP, LRS",
+        short="joint LRS",
+        specs={
+            NLP: "nlp[engine={},model=joint,order=LRS]",
+            PROVEN: "global-nlp[engine={},order=LRS]",
+        },
         knows="shape",
     ),
     Formulation(
-        *("joint NLP, RLS", "joint RLS"),
-        {NLP: "nlp[engine={},model=joint,order=RLS]", PROVEN: "global-nlp[engine={},order=RLS]"},
+        name="joint NLP, RLS",
+        short="joint RLS",
+        specs={
+            NLP: "nlp[engine={},model=joint,order=RLS]",
+            PROVEN: "global-nlp[engine={},order=RLS]",
+        },
         knows="shape",
     ),
     Formulation(
-        *("joint NLP, both orders", "joint, both orders"),
-        {NLP: "nlp[engine={},model=joint]", PROVEN: "global-nlp[engine={}]"},
+        name="joint NLP, both orders",
+        short="joint, both orders",
+        specs={NLP: "nlp[engine={},model=joint]", PROVEN: "global-nlp[engine={}]"},
         knows="shape",
     ),
     Formulation(
-        *("turn rates", "turn rates"),
-        {NLP: "turn-rates[engine={}]", QP: "turn-rate-qp[engine={}]"},
+        name="turn rates",
+        short="turn rates",
+        specs={NLP: "turn-rates[engine={}]", QP: "turn-rate-qp[engine={}]"},
         several=True,
     ),
     Formulation(
-        *("Radau collocation", "collocation", {NLP: "collocation[engine={}]"}), several=True
-    ),
-    Formulation(
-        *("multiple shooting", "multiple shooting"),
-        {NLP: "multiple-shooting[engine={}]"},
+        name="Radau collocation",
+        short="collocation",
+        specs={NLP: "collocation[engine={}]"},
         several=True,
     ),
     Formulation(
-        *("Pontryagin's system", "Pontryagin", {ROOTS: "shooting[root={}]"}),
-        {NLP: _SQUARE, PROVEN: _SQUARE},
+        name="multiple shooting",
+        short="multiple shooting",
+        specs={NLP: "multiple-shooting[engine={}]"},
+        several=True,
+    ),
+    Formulation(
+        name="Pontryagin's system",
+        short="Pontryagin",
+        specs={ROOTS: "shooting[root={}]"},
+        reasons={NLP: _SQUARE, PROVEN: _SQUARE},
         knows="words",
         several=True,
     ),
     Formulation(
-        *("grid of headings", "heading grid"),
-        {EXACT: "heading-grid", PROVEN: "heading-milp[engine={}]", QP: "heading-milp[engine={}]"},
-        {NLP: _INTEGERS, QP: _INTEGERS},
+        name="grid of headings",
+        short="heading grid",
+        specs={
+            EXACT: "heading-grid",
+            PROVEN: "heading-milp[engine={}]",
+            QP: "heading-milp[engine={}]",
+        },
+        reasons={NLP: _INTEGERS, QP: _INTEGERS},
         knows="formula",  # of a leg between two headings
     ),
     Formulation(
-        *("disjunction", "disjunction", {PROVEN: "disjunctive[engine={}]"}, {NLP: _INTEGERS}),
+        name="disjunction",
+        short="disjunction",
+        specs={PROVEN: "disjunctive[engine={}]"},
+        reasons={NLP: _INTEGERS},
         knows="words",
     ),
     Formulation(
-        *("penalty", "penalty"),
-        dict.fromkeys((SAMPLING, DERIVATIVE_FREE), "penalty[engine={}]"),
-        {NLP: _KINK, PROVEN: _EQUATIONS},
+        name="penalty",
+        short="penalty",
+        specs=dict.fromkeys((SAMPLING, DERIVATIVE_FREE), "penalty[engine={}]"),
+        reasons={NLP: _KINK, PROVEN: _EQUATIONS},
         knows="shape",
     ),
     # of routes, and of one leg too
     Formulation(
-        *("joint NLP, LRSLR a leg", "joint LRSLR", {NLP: "route-nlp[engine={}]"}),
+        name="joint NLP, LRSLR a leg",
+        short="joint LRSLR",
+        specs={NLP: "route-nlp[engine={}]"},
         knows="shape",
         several=True,
     ),
     Formulation(
-        *("headings", "headings"),
-        dict.fromkeys((NLP, SAMPLING, DERIVATIVE_FREE), "headings[engine={}]"),
-        {NLP: _SIX_WORDS, PROVEN: _SIX_WORDS, SAMPLING: _CORNERS},
+        name="headings",
+        short="headings",
+        specs=dict.fromkeys((NLP, SAMPLING, DERIVATIVE_FREE), "headings[engine={}]"),
+        reasons={NLP: _SIX_WORDS, PROVEN: _SIX_WORDS, SAMPLING: _CORNERS},
         knows="formula",  # of a leg between two headings
     ),
     # of tours
     Formulation(
-        *("tour MILP", "tour MILP"),
-        dict.fromkeys((PROVEN, QP, MILP), "tour-milp[engine={}]"),
-        dict.fromkeys((NLP, PROVEN, QP), _INTEGERS),
+        name="tour MILP",
+        short="tour MILP",
+        specs=dict.fromkeys((PROVEN, QP, MILP), "tour-milp[engine={}]"),
+        reasons=dict.fromkeys((NLP, PROVEN, QP), _INTEGERS),
         knows="formula",
     ),
     Formulation(
-        *("tour circuit", "tour circuit", {CONSTRAINTS: "tour-circuit"}),
-        dict.fromkeys((NLP, PROVEN, QP, MILP), _CIRCUIT),
+        name="tour circuit",
+        short="tour circuit",
+        specs={CONSTRAINTS: "tour-circuit"},
+        reasons=dict.fromkeys((NLP, PROVEN, QP, MILP), _CIRCUIT),
         knows="formula",
     ),
     Formulation(
-        *("tour routing", "tour routing", {ROUTING: "tour-routing"}),
-        dict.fromkeys((NLP, PROVEN, QP, MILP), _VEHICLE),
+        name="tour routing",
+        short="tour routing",
+        specs={ROUTING: "tour-routing"},
+        reasons=dict.fromkeys((NLP, PROVEN, QP, MILP), _VEHICLE),
         knows="formula",
     ),
     Formulation(
-        *("order then headings", "order, then headings", {EXACT: "tour-order"}),
-        dict.fromkeys(_KINDS, _PROGRAMS),
+        name="order then headings",
+        short="order, then headings",
+        specs={EXACT: "tour-order"},
+        reasons=dict.fromkeys(_KINDS, _PROGRAMS),
         knows="formula",
     ),
 )
@@ -270,7 +308,7 @@ def short_word(word: str, most: int = 60) -> str:
     """
     if len(word) <= most:
         return word
-    shown = word[:most].rpartition(" ")[0] or word[:most]
+    beginning = word[:most].rpartition(" ")[0] or word[:most]
     legs = len(word.split(" "))
     count = f"{legs} legs" if legs > 1 else f"{len(word)} letters"
-    return f"{shown} ... ({count})"
+    return f"{beginning} ... ({count})"

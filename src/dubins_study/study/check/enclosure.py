@@ -82,9 +82,10 @@ def enclose(scenario: Scenario, branch: str = "best") -> Enclosure:
     with ctx.workprec(_BITS):
         X, Y = _targets(scenario)
         if branch == "best":
-            return _outwards(_best(X, abs(Y)), False, scenario.radius)
+            return _outwards(_best(X, abs(Y)), absent=False, radius=scenario.radius)
         word = _left_straight if branch in ("LS", "RS") else _right_left
-        return _outwards(*word(X, -Y if branch in ("RS", "LR") else Y), scenario.radius)
+        parts, absent = word(X, -Y) if branch in ("RS", "LR") else word(X, Y)
+        return _outwards(parts, absent, scenario.radius)
 
 
 class _Way(NamedTuple):
@@ -114,7 +115,8 @@ def _targets(scenario: Scenario) -> tuple[arb, arb]:
     The radius of a ball is delta.
     """
     assert scenario.target is not None
-    way = _way(scenario.start, *scenario.target, scenario.radius)
+    x, y = scenario.target
+    way = _way(scenario.start, x, y, scenario.radius)
     delta = PER_EXTENT * way.extent + PER_DISTANCE * (abs(way.X) + abs(way.Y))
     blur = delta.union(-delta)
     return way.X + blur, way.Y + blur
@@ -133,8 +135,8 @@ def _outwards(parts: Iterable[arb], absent: bool, radius: float) -> Enclosure:
         else:
             merged.append((low, high))
     if not merged:
-        return Enclosure(math.inf, math.inf, True, ())
-    return Enclosure(merged[0][0], merged[-1][1], absent, tuple(merged))
+        return Enclosure(low=math.inf, high=math.inf, absent=True, parts=())
+    return Enclosure(low=merged[0][0], high=merged[-1][1], absent=absent, parts=tuple(merged))
 
 
 def _doubles(ball: arb) -> Part:
@@ -209,9 +211,9 @@ def _ceiling_of(solutions: Iterable[list[arb]]) -> arb:
 
 def _below(ceiling: arb, options: Iterable[arb]) -> list[arb]:
     """Options without their parts above the ceiling."""
-    kept = [option for option in options if not option > ceiling]
+    below = [option for option in options if not option > ceiling]
     return [
-        option.lower().union(ceiling) if option.upper() > ceiling else option for option in kept
+        option.lower().union(ceiling) if option.upper() > ceiling else option for option in below
     ]
 
 
@@ -280,7 +282,11 @@ def right_left_solutions(X: arb, Y: arb, inside: bool) -> tuple[list[arb], list[
     excess = arb.atan2(y, x) if x.mid() > 0 else arb.pi() - arb.atan2(y, -x)
     # from straight up, clockwise as R turns
     bearing = arb.atan2(X, 1 + Y) if Y.mid() > -1 else arb.pi() - arb.atan2(X, -1 - Y)
-    outside = True if X >= 0 else False if X < 0 else None  # whether first arcs are positive
+    outside = None  # whether first arcs are positive
+    if X >= 0:
+        outside = True
+    elif X < 0:
+        outside = False
     long, short = (True, False) if inside else (outside, outside)
     turn = 2 * arb.pi()
     return (
@@ -356,8 +362,14 @@ class _Signs(NamedTuple):
         Circles change their names, sides their signs.
         """
         return _Signs(
-            *(not self.start_right, not self.start_left, not self.end_right, not self.end_left),
-            *(self.reach_rsl, self.reach_lsr, self.reach_rlr, self.reach_lrl),
+            start_left=not self.start_right,
+            start_right=not self.start_left,
+            end_left=not self.end_right,
+            end_right=not self.end_left,
+            reach_lsr=self.reach_rsl,
+            reach_rsl=self.reach_lsr,
+            reach_lrl=self.reach_rlr,
+            reach_rlr=self.reach_lrl,
         )
 
     @property
@@ -381,14 +393,15 @@ def enclose_pose(start: Pose, end: Pose, radius: float, branch: str = "best") ->
     """
     with ctx.workprec(_BITS):
         ends = _ends(start, end, radius)
-        sure = [[length] for side in (ends, ends.mirrored) for length in _nearly_one_arc(side)]
+        near_arcs = chain(_nearly_one_arc(ends), _nearly_one_arc(ends.mirrored))
+        sure = [[length] for length in near_arcs]
         parts: list[arb] = []
         absent = False
         for signs in _cells(ends):
             if branch == "best":
                 words = [lengths for word in WORDS6 if (lengths := _lengths(word, ends, signs))]
                 least = _ceiling_of([*words, *sure])
-                parts += _below(least, [length for word in words for length in word])
+                parts += _below(least, chain(*words))
             else:
                 lengths = _lengths(branch, ends, signs)
                 parts += lengths
@@ -411,14 +424,30 @@ def _ends(start: Pose, end: Pose, radius: float) -> _Ends:
 def _cells(ends: _Ends) -> Iterator[_Signs]:
     """Combinations of signs that ends may have."""
     X, Y, _, s, c = ends
-    across, versine = X * s - Y * c, 1 - c
+    across = X * s - Y * c
+    versine = 1 - c
     functions = (
-        *(Y - versine, Y + versine, across - versine, across + versine),
-        *(_square(X + s, Y - c - 1) - 4, _square(X - s, Y + c + 1) - 4),
-        *(16 - _square(X - s, Y + c - 1), 16 - _square(X + s, Y - c + 1)),
+        Y - versine,
+        Y + versine,
+        across - versine,
+        across + versine,
+        _square(X + s, Y - c - 1) - 4,
+        _square(X - s, Y + c + 1) - 4,
+        16 - _square(X - s, Y + c - 1),
+        16 - _square(X + s, Y - c + 1),
     )
-    sides = [(True,) if f >= 0 else (False,) if f < 0 else (True, False) for f in functions]
-    return (signs for signs in (_Signs(*cell) for cell in product(*sides)) if signs.possible)
+    cells = (_Signs(*cell) for cell in product(*map(_possible_signs, functions)))
+    return (signs for signs in cells if signs.possible)
+
+
+def _possible_signs(value: arb) -> tuple[bool, ...]:
+    """Whether a ball's values are not negative.
+
+    There are two answers where it holds values of both signs.
+    """
+    if value >= 0:
+        return (True,)
+    return (False,) if value < 0 else (True, False)
 
 
 def _square(x: arb, y: arb) -> arb:
@@ -431,7 +460,8 @@ def _lengths(word: str, ends: _Ends, signs: _Signs) -> list[arb]:
     One of them is the end's; there are none where the word does not exist.
     """
     if word in ("RSR", "RSL", "RLR"):
-        ends, signs = ends.mirrored, signs.mirrored
+        ends = ends.mirrored
+        signs = signs.mirrored
         word = {"RSR": "LSL", "RSL": "LSR", "RLR": "LRL"}[word]
     X, Y, turn, s, c = ends
     # forward extent of S, seen from both ends, or of the chord of the middle arc's centres
@@ -445,20 +475,33 @@ def _lengths(word: str, ends: _Ends, signs: _Signs) -> list[arb]:
         length = _excess(p) + arb.pi() + 2 * _direction(x, y) - turn
         left = signs.start_right if x > 0 else None
         right = not signs.end_left if forward > 0 else None
-        return _with_turns(length, 2 * first - turn, first, left, first - turn, right)
+        return _with_turns(
+            length,
+            arcs=2 * first - turn,
+            first=first,
+            left=left,
+            last=first - turn,
+            right=right,
+        )
     x, y = X - s, Y + c - 1
-    d, first = _square(x, y).nonnegative_part().sqrt(), _direction(x, y)
+    d = _square(x, y).nonnegative_part().sqrt()
+    first = _direction(x, y)
     if word == "LSL":
         left = signs.start_left if x > 0 else None
         right = signs.end_left if forward > 0 else None
-        return _with_turns(d + turn, turn, first, left, turn - first, right)
+        return _with_turns(
+            d + turn, arcs=turn, first=first, left=left, last=turn - first, right=right
+        )
     if not signs.reach_lrl:
         return []
     half = arb.pi() - _quarter_arcsine(d)
     left = not signs.reach_rsl if x < 0 else None
     right = not signs.reach_lsr if forward < 0 else None
-    arcs, rest = turn + 2 * half, turn - first + half
-    return _with_turns(arcs + 2 * half, arcs, first + half, left, rest, right)
+    arcs = turn + 2 * half
+    last = turn - first + half
+    return _with_turns(
+        arcs + 2 * half, arcs=arcs, first=first + half, left=left, last=last, right=right
+    )
 
 
 def _nearly_one_arc(ends: _Ends) -> Iterator[arb]:
@@ -473,7 +516,8 @@ def _nearly_one_arc(ends: _Ends) -> Iterator[arb]:
     full = 2 * arb.pi()
     turn -= full * math.floor(float((turn / full).mid()))
     for e in (arb(0), arb(math.sqrt(float(X.rad())))):
-        sine, versine = 2 * e.sin(), 2 - 2 * e.cos()
+        sine = 2 * e.sin()
+        versine = 2 - 2 * e.cos()
         x = X - s - sine * (1 + c) + versine * s
         y = Y + c - 1 - sine * s + versine * (1 - c)
         arc = turn + 2 * e
@@ -506,7 +550,8 @@ def _quarter_arcsine(d: arb) -> arb:
     Only distances that are at most 4 count.
     """
     low, high = d.lower(), d.upper()
-    return (low / 4).asin().union((high / 4).asin() if high < 4 else arb.pi() / 2)
+    highest = (high / 4).asin() if high < 4 else arb.pi() / 2
+    return (low / 4).asin().union(highest)
 
 
 def _with_turns(
@@ -517,6 +562,6 @@ def _with_turns(
     Whole turns are added to `length` for that. The sum of both outer arcs is `arcs`.
     """
     turn = 2 * arb.pi()
-    turns = {m + n for m in _turns(first, left) for n in _turns(last, right)}
+    turns = {m + n for m, n in product(_turns(first, left), _turns(last, right))}
     possible = [m for m in sorted(turns) if not (arcs + m * turn < 0 or arcs + m * turn > 2 * turn)]
     return [length + m * turn for m in possible]

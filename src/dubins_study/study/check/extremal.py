@@ -95,7 +95,15 @@ def measure(path: Path, radius: float, free: bool = True) -> tuple[Extremal | No
         return extremal(path.start.heading, rates, lengths, free), None
     x, y, abnormal, H, margin = costates(path.start.heading, word)
     transversality = 0.0 if free else None
-    best = Extremal(x, y, abnormal, H, margin, transversality, max(H, -margin))
+    best = Extremal(
+        costate_x=x,
+        costate_y=y,
+        abnormal=abnormal,
+        hamiltonian=H,
+        sign_margin=margin,
+        transversality=transversality,
+        pmp_residual=max(H, -margin),
+    )
     return best, cut_margin(word) if free else None
 
 
@@ -109,8 +117,9 @@ def _word(u: list[float], length: list[float], free: bool) -> Word | None:
     total = sum(length)
     off = [abs(k - rate) for k, rate in zip(u, rates, strict=True)]
     # distance of the end from the end of the path at full rates
-    moved = sum(map(mul, off, length)) * total
-    if max(off) > FULL_RATE or moved > allowed_miss(ARRIVES, 1.0, 0.0, total):
+    distance = sum(map(mul, off, length)) * total
+    allowed = allowed_miss(ARRIVES, radius=1.0, extent=0.0, length=total)
+    if max(off) > FULL_RATE or distance > allowed:
         return None
     arcs = list(zip(rates, length, strict=True))
     if arcs[0][0] == 0.0:
@@ -119,10 +128,10 @@ def _word(u: list[float], length: list[float], free: bool) -> Word | None:
         arcs.insert(1, _NO_PIECE)
     first, second, third = (*arcs, _NO_PIECE, _NO_PIECE)[:3]
     if free:
-        named = len(arcs) <= 2 and second[0] in (0.0, -first[0])
+        is_word = len(arcs) <= 2 and second[0] in (0.0, -first[0])
     else:
-        named = len(arcs) <= 3 and (second[0] == 0.0 or first[0] == third[0] == -second[0])
-    return (first, second, third) if named else None
+        is_word = len(arcs) <= 3 and (second[0] == 0.0 or first[0] == third[0] == -second[0])
+    return (first, second, third) if is_word else None
 
 
 def pieces(rate: list[float], length: list[float]) -> tuple[list[float], list[float]]:
@@ -152,8 +161,8 @@ def _merged(rate: FloatArray, scaled: FloatArray) -> tuple[FloatArray, FloatArra
     turns = np.abs(u) * length > NO_TURN
     if turns.all():
         return u, length
-    kept = turns | (length > NO_LENGTH * min(1.0, float(length.sum())))
-    return _joined(np.where(turns, u, 0.0)[kept], length[kept])
+    mask = turns | (length > NO_LENGTH * min(1.0, float(length.sum())))
+    return _joined(np.where(turns, u, 0.0)[mask], length[mask])
 
 
 def _is_same(merged: tuple[FloatArray, FloatArray], driven: tuple[FloatArray, FloatArray]) -> bool:
@@ -162,7 +171,7 @@ def _is_same(merged: tuple[FloatArray, FloatArray], driven: tuple[FloatArray, Fl
     Their ends and their lengths are compared.
     """
     before = float(driven[1].sum())
-    allowed = allowed_miss(ARRIVES, 1.0, 0.0, before)
+    allowed = allowed_miss(ARRIVES, radius=1.0, extent=0.0, length=before)
     if not abs(before - float(merged[1].sum())) <= allowed:
         return False
     end = end_of(_ORIGIN, *merged)
@@ -202,11 +211,13 @@ def extremal(
     u and lengths (radii); `free` says whether its final heading is.
     """
     # in the frame of the start, where angles are small; the costates are turned back at the end
-    asked = conditions(u, length, _ORIGIN)
-    if asked is None:
+    path_conditions = conditions(u, length, _ORIGIN)
+    if path_conditions is None:
         return None
-    hamiltonian, straight, arcs = asked.hamiltonian, asked.straight, asked.arcs
-    ends = asked.ends if free else []
+    hamiltonian = path_conditions.hamiltonian
+    straight = path_conditions.straight
+    arcs = path_conditions.arcs
+    ends = path_conditions.ends if free else []
     # rows of zeros keep the matrix as high as it is wide
     matrix = np.array([*hamiltonian, *straight, *ends, *[(0.0,) * 4] * 3])
     null_vector = np.linalg.svd(matrix, full_matrices=False)[2][-1].tolist()
@@ -223,7 +234,7 @@ def extremal(
     best = signed[margins.index(margin)]
     H = largest(hamiltonian, best)
     nu0, nu1, nu2, nu3 = best
-    transversality = abs(nu3) / asked.stretch if free else None
+    transversality = abs(nu3) / path_conditions.stretch if free else None
     if not abnormal:
         nu1, nu2 = nu1 / nu0, nu2 / nu0
     c, s = math.cos(heading), math.sin(heading)
@@ -284,7 +295,14 @@ def conditions(u: list[float], length: list[float], start: Pose) -> Conditions |
     if len(pieces) == 1 and not straight[0]:
         # a single arc has a family of costates; choose the one of a straight of no length after it
         ends.append((0.0, -math.sin(end), math.cos(end), 0.0))
-    return Conditions(hamiltonian, still, arcs, stretch, ends, nu3[0])
+    return Conditions(
+        hamiltonian=hamiltonian,
+        straight=still,
+        arcs=arcs,
+        stretch=stretch,
+        ends=ends,
+        start=nu3[0],
+    )
 
 
 def largest(rows: list[Row], nu: list[float]) -> float:

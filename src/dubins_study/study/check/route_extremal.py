@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from itertools import pairwise, takewhile
+from itertools import chain, pairwise, takewhile
 from operator import attrgetter
 from time import perf_counter
 
@@ -54,11 +54,11 @@ def route_extremal(
     legs = [leg for leg in route_legs(path, at, radius) if leg is not None]
     if len(legs) <= len(at):
         return None
-    fits = [_measured(legs, free, path.start.heading, (), until)]
+    fits = [_measure(legs, free, path.start.heading, jumps=(), until=until)]
     if (fits[0] is None or fits[0].pmp_residual > _EXTREMAL) and (jumps := _jumps(legs, free)):
-        fits.append(_measured(legs, free, path.start.heading, jumps, until))
-    known = [fit for fit in fits if fit is not None]
-    return min(known, key=attrgetter("pmp_residual"), default=None)
+        fits.append(_measure(legs, free, path.start.heading, jumps=jumps, until=until))
+    extremals = [fit for fit in fits if fit is not None]
+    return min(extremals, key=attrgetter("pmp_residual"), default=None)
 
 
 def _jumps(legs: Sequence[Conditions], free: bool) -> tuple[int, ...]:
@@ -74,7 +74,7 @@ def _jumps(legs: Sequence[Conditions], free: bool) -> tuple[int, ...]:
     return (*first, *last)
 
 
-def _measured(
+def _measure(
     legs: Sequence[Conditions], free: bool, heading: float, jumps: Sequence[int], until: float
 ) -> Extremal | None:
     """Residuals of the costates that fit best."""
@@ -87,13 +87,14 @@ def _measured(
     equations, constants = _equations(legs, free, jumps)
     _, nu1, nu2, nu3 = costates[-1]
     c, s = math.cos(heading), math.sin(heading)
+    transversality = abs(nu3) / legs[-1].stretch if free else None
     return Extremal(
         costate_x=nu1 * c - nu2 * s,
         costate_y=nu1 * s + nu2 * c,
         abnormal=False,
         hamiltonian=max(largest(leg.hamiltonian, nu) for nu, leg in pairs),
         sign_margin=margin,
-        transversality=abs(nu3) / legs[-1].stretch if free else None,
+        transversality=transversality,
         pmp_residual=max(float(np.abs(equations @ fitted.ravel() + constants).max()), -margin),
     )
 
@@ -103,7 +104,8 @@ def route_legs(path: Path, at: Sequence[float], radius: float) -> Iterator[Condi
 
     They are seen from where the leg begins, in the frame of the path's start.
     """
-    rate, ends = path.curvatures * radius, np.concatenate(([0.0], np.cumsum(path.lengths))) / radius
+    rate = path.curvatures * radius
+    ends = np.concatenate(([0.0], np.cumsum(path.lengths))) / radius
     turned = 0.0
     cuts = np.array([0.0, *at, ends[-1] * radius]) / radius
     after = np.clip(np.searchsorted(ends, cuts), 1, rate.size)
@@ -129,24 +131,26 @@ def route_costates(
     """
     equations, constants = _equations(legs, free, jumps)
     n = equations.shape[1]
-    headings = [(i, heading) for i, leg in enumerate(legs) for arc in leg.arcs for heading in arc]
+    headings: list[tuple[int, float]] = []
+    for i, leg in enumerate(legs):
+        headings += [(i, heading) for heading in chain(*leg.arcs)]
     tolerances = dict.fromkeys(_TOLERANCES, _EXACT)
     for _ in range(_CUTS):
-        left = until - perf_counter()
-        if left <= 0.0:
+        seconds_left = until - perf_counter()
+        if seconds_left <= 0.0:
             return None
         # variables: the costates, then the worst violation
         rows = vstack([equations, -equations, -_signs(headings, n)])
-        solved = linprog(
+        solution = linprog(
             np.append(np.zeros(n), 1.0),
             hstack([rows, np.full((rows.shape[0], 1), -1.0)]),
             np.concatenate([-constants, constants, np.ones(len(headings))]),
             bounds=[(None, None)] * n + [(0.0, None)],
-            options=tolerances | {"time_limit": left},
+            options=tolerances | {"time_limit": seconds_left},
         )
-        if solved.x is None or solved.status == _STOPPED:
+        if solution.x is None or solution.status == _STOPPED:
             return None
-        *costates, worst = solved.x
+        *costates, worst = solution.x
         fitted: FloatArray = np.reshape(costates, (-1, 3))
         # inside an arc the sign is worst where it passes the heading opposite to (nu1, nu2)
         more = [

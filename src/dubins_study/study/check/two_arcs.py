@@ -63,14 +63,19 @@ def costates(heading: float, word: Word) -> tuple[float, float, bool, float, flo
     """
     (turn1, first), (turn2, second), (turn3, third) = word
     if second == 0.0 and turn1 == turn3:
-        first, third = first + third, 0.0
+        first = first + third
+        third = 0.0
     middle = turn1 * first
     last = middle + turn2 * second
     if turn2 != 0.0:  # along or against the chord of the arc
         half = math.cos(second / 2)
-        nu0, rho, phi = abs(half), -math.copysign(1.0, half), middle + turn2 * second / 2
+        nu0 = abs(half)
+        rho = -math.copysign(1.0, half)
+        phi = middle + turn2 * second / 2
     else:  # against the heading of S
-        nu0, rho, phi = 1.0, -1.0, middle
+        nu0 = 1.0
+        rho = -1.0
+        phi = middle
     angles = (-phi, middle - phi, last - phi, last + turn3 * third - phi)
     turns = (turn1 * first, turn2 * second, turn3 * third)
     arcs = [pair for pair, turn in zip(pairwise(angles), turns, strict=True) if turn != 0.0]
@@ -118,5 +123,6 @@ def sign_margin(nu: list[float], arcs: list[tuple[float, float]]) -> float:
     for before, after in arcs:
         a, b = before - opposite, after - opposite
         passed = max(a, b) // TWO_PI > min(a, b) // TWO_PI
-        nearest = max(nearest, 1.0 if passed else max(math.cos(a), math.cos(b)))
+        nearest_on_arc = 1.0 if passed else max(math.cos(a), math.cos(b))
+        nearest = max(nearest, nearest_on_arc)
     return nu0 - math.hypot(nu1, nu2) * nearest

@@ -42,8 +42,9 @@ def visited(scenario: Scenario, visits: Visits, end: Pose) -> Scenario:
     """
     stops = []
     for i, pose in zip(visits.order, visits.poses, strict=True):
-        given = scenario.stops[i].heading is not None
-        stops.append(tuple(pose) if given else (pose.x, pose.y))
+        has_heading = scenario.stops[i].heading is not None
+        stop = tuple(pose) if has_heading else (pose.x, pose.y)
+        stops.append(stop)
     begin = (scenario.x, scenario.y)
     moved: dict[str, Any] = {}
     if scenario.target is not None and not scenario.closed:
@@ -54,7 +55,8 @@ def visited(scenario: Scenario, visits: Visits, end: Pose) -> Scenario:
     way = [next(same) for _, same in groupby([begin, *stops], key=itemgetter(0, 1))]
     if scenario.order is Order.FREE:
         way = list({stop[:2]: stop for stop in way}.values())
-    moved["via"] = tuple(way[1:-1] if "target_x" in moved else way[1:])
+    via = way[1:-1] if "target_x" in moved else way[1:]
+    moved["via"] = tuple(via)
     if scenario.target is None and not moved["via"]:  # the path visits all points where it starts
         moved |= {"target_x": scenario.x, "target_y": scenario.y}
     there = copy(scenario)  # the end may lie beyond what a scenario may ask for
@@ -68,7 +70,8 @@ def path_word_of(path: Path) -> str:
 
     The path may be cut into any number of arcs.
     """
-    return path.word(WORD if path.lengths.size <= 3 else DISCRETISED_WORD)
+    least_turn = WORD if path.lengths.size <= 3 else DISCRETISED_WORD
+    return path.word(least_turn)
 
 
 def is_wrong_basin(
@@ -78,7 +81,8 @@ def is_wrong_basin(
 
     It is compared with the optima of some words and net turns.
     """
-    another_word, turn = gap > COARSE and word not in words, path.turn
+    another_word = gap > COARSE and word not in words
+    turn = path.turn
     return another_word or all(abs(turn - best) > _ANOTHER_TURN for best in turns)
 
 
@@ -129,7 +133,13 @@ def visits_of(scenario: Scenario, path: Path, allowed: float) -> Visits:
         allowed: how near the path has to come (length unit).
     """
     via = scenario.stops[: len(scenario.via)]
-    return visits(path, via, scenario.radius, allowed, any_order=scenario.order is Order.FREE)
+    return visits(
+        path,
+        via,
+        radius=scenario.radius,
+        allowed=allowed,
+        any_order=scenario.order is Order.FREE,
+    )
 
 
 def seen_of(scenario: Scenario, path: Path, branch: str, tolerances: Tolerances) -> Seen:
@@ -137,19 +147,30 @@ def seen_of(scenario: Scenario, path: Path, branch: str, tolerances: Tolerances)
 
     The path is one that can be driven.
     """
-    radius, extent, length, end = scenario.radius, scenario.extent, path.length, path.end
+    radius = scenario.radius
+    extent = scenario.extent
+    length = path.length
+    end = path.end
     pieces = zip(path.curvatures.tolist(), path.lengths.tolist(), strict=True)
     excess = curvature_excess([k * radius for k, s in pieces if s > 0], branch)
-    allowed = allowed_miss(tolerances.miss, radius, extent, length)
-    seen = visits_of(scenario, path, allowed)
-    miss, turned = seen.miss, seen.turned
+    allowed = allowed_miss(tolerances.miss, radius, extent=extent, length=length)
+    via_visits = visits_of(scenario, path, allowed)
+    miss = via_visits.miss
+    turned = via_visits.turned
     if scenario.target is not None:
         x, y = scenario.target
         miss = max(math.hypot(end.x - x, end.y - y), miss)
     final = path.start.heading if scenario.closed else scenario.final_heading
-    turned = max(turned, off_heading(final, end.heading, length / radius))
-    there = arrives(miss, radius, extent, length, tolerances.miss)
-    return Seen(seen, end, miss, turned, excess, there and turned <= HEADED)
+    turned = max(turned, off_heading(final, end.heading, driven=length / radius))
+    there = arrives(miss, radius, extent=extent, length=length, allowed=tolerances.miss)
+    return Seen(
+        visits=via_visits,
+        end=end,
+        miss=miss,
+        turned=turned,
+        excess=excess,
+        arrives=there and turned <= HEADED,
+    )
 
 
 def words_of(path: Path, at: Sequence[float], radius: float) -> str:

@@ -65,23 +65,26 @@ def visits(
         any_order: whether the visit of each point is its earliest on the whole path.
     """
     if not via:
-        return Visits((), (), (), 0.0, 0.0)
+        return Visits(at=(), poses=(), order=(), miss=0.0, turned=0.0)
     pieces = _Pieces(path, radius)
-    at, nearest, miss = 0.0, 0.0, 0.0
-    found: list[float] = []
+    at = 0.0
+    nearest = 0.0
+    miss = 0.0
+    arc_lengths: list[float] = []
     for stop in via:
         after = 0.0 if any_order else at
-        at, reached, distance = pieces.visit(stop, after, allowed / radius)
+        at, reached, distance = pieces.visit(stop, at=after, allowed=allowed / radius)
         nearest = reached if any_order else max(nearest, reached)
         miss = max(miss, distance * radius)
-        found.append(min(nearest * radius, path.length))
-    order = np.argsort(found, kind="stable").tolist()
-    along = [found[i] for i in order]
+        arc_lengths.append(min(nearest * radius, path.length))
+    order = np.argsort(arc_lengths, kind="stable").tolist()
+    along = [arc_lengths[i] for i in order]
     poses = tuple(Pose(*pose) for pose in path.at(np.array(along)).tolist())
     turned = 0.0
     for i, pose in zip(order, poses, strict=True):
-        turned = max(turned, off_heading(via[i].heading, pose.heading, found[i] / radius))
-    return Visits(tuple(along), poses, tuple(order), miss, turned)
+        driven = arc_lengths[i] / radius
+        turned = max(turned, off_heading(via[i].heading, pose.heading, driven))
+    return Visits(at=tuple(along), poses=poses, order=tuple(order), miss=miss, turned=turned)
 
 
 def off_heading(given: float | None, heading: float, driven: float) -> float:
@@ -106,7 +109,8 @@ class _Pieces:
         self.length = path.lengths / radius
         self.ends = np.concatenate(([0.0], np.cumsum(self.length)))
         rate = path.curvatures * radius
-        self.k, self.side = np.maximum(np.abs(rate), _STRAIGHT), np.where(rate < 0, -1.0, 1.0)
+        self.k = np.maximum(np.abs(rate), _STRAIGHT)
+        self.side = np.where(rate < 0, -1.0, 1.0)
         poses = path.poses
         self.x, self.y, self.heading = poses[:-1].T
         self.cos, self.sin = np.cos(self.heading), np.sin(self.heading)
@@ -122,13 +126,15 @@ class _Pieces:
             near. If it never is within, the last two are of its least distance after `at`, and the
             first equals the second.
         """
-        x, y, given = stop
+        x, y, heading = stop
         if not self.length.size:
             return 0.0, 0.0, math.hypot(x - self.last.x, y - self.last.y) / self.radius
         n = self.length.size
         begin = min(int(np.searchsorted(self.ends, at, "right")) - 1, n - 1)
         for end in (min(begin + _PIECES_AT_ONCE, n), n):
-            within, nearest, distance = self._passing(slice(begin, end), x, y, at, allowed)
+            within, nearest, distance = self._passing(
+                slice(begin, end), x, y, at=at, allowed=allowed
+            )
             passings = []
             for first in np.flatnonzero(~np.isnan(within)).tolist():
                 last = first
@@ -138,7 +144,7 @@ class _Pieces:
                         break
                     last += 1
                 passings.append((first, last))
-                if given is None or self._fits(given, begin + last, nearest[last]):
+                if heading is None or self._fits(heading, piece=begin + last, along=nearest[last]):
                     passings = passings[-1:]
                     break
             else:
@@ -175,7 +181,8 @@ class _Pieces:
         X, Y = dx * cos + dy * sin, (dy * cos - dx * sin) * self.side[those]
         D = np.hypot(k * X, 1.0 - k * Y)
         g = (k * (X * X + Y * Y) - 2.0 * Y) / (1.0 + D)
-        middle, turn = np.arctan2(k * X, 1.0 - k * Y) / k, 2.0 * math.pi / k
+        middle = np.arctan2(k * X, 1.0 - k * Y) / k
+        turn = 2.0 * math.pi / k
         begin = np.clip(at - self.ends[:-1][those], 0.0, length)
         chord = np.sqrt((allowed - np.abs(g)) * (allowed + np.abs(g)) / D)  # NaN: never within
         width = 2.0 * np.arcsin(np.minimum(1.0, 0.5 * k * chord)) / k
@@ -221,5 +228,5 @@ def legs(path: Path, at: Sequence[float], radius: float) -> Iterator[Path]:
     cuts = [0.0, *at, float(ends[-1])]
     for start, begin, end in zip(starts, cuts, cuts[1:], strict=False):
         those, lengths = cut_out(ends, begin, end)
-        kept = lengths > CUT * min(radius, lengths.sum())
-        yield Path(Pose(*start), path.curvatures[those][kept], lengths[kept])
+        mask = lengths > CUT * min(radius, lengths.sum())
+        yield Path(Pose(*start), path.curvatures[those][mask], lengths[mask])

@@ -137,8 +137,10 @@ def to_local_exactly(
     return X, Y, spread + PER_DISTANCE * (abs(X) + abs(Y))
 
 
-_left_straight, _right_left = inlined(left_straight), inlined(right_left)
-_best_segments, _chosen_side = inlined(best_segments), inlined(chosen_side)
+_left_straight = inlined(left_straight)
+_right_left = inlined(right_left)
+_best_segments = inlined(best_segments)
+_chosen_side = inlined(chosen_side)
 
 
 @inlined
@@ -231,7 +233,8 @@ def _best(X: float, y: float, right: int) -> tuple[float, float, int, float]:
     p = xx + y * (y + 2.0)
     q = 4.0 * (2.0 - y) + w
     A = p + 4.0 * y + 8.0
-    inner, outer = p * q, -w
+    inner = p * q
+    outer = -w
     root = math.sqrt(inner if inside else outer)  # D inside, the straight part outside
     # tan(a/2) is y / (X + s) ahead and (s - X) / (y - 2) behind
     four_x = 4.0 * X
@@ -274,7 +277,7 @@ def _best_chunk(low: Index, high: Index, scenarios: ScenarioArrays, rows: Rows) 
     length, segments, word = rows
     first = segments[0]
     second = segments[1]
-    left = 0
+    rows_left = 0
     for i in range(low, high):
         sine, cosine = sine_cosine(heading[i])
         X, Y, four_delta = to_local(x[i], y[i], sine, cosine, tx[i], ty[i], radius[i])
@@ -282,7 +285,7 @@ def _best_chunk(low: Index, high: Index, scenarios: ScenarioArrays, rows: Rows) 
         second[i] = abs(Y)
         length[i] = four_delta
         word[i] = 0 if Y >= 0.0 else 1
-        left += not (abs(heading[i]) <= LARGEST_ANGLE)
+        rows_left += not (abs(heading[i]) <= LARGEST_ANGLE)
     for i in range(low, high):
         a, b, code, clear = _best(first[i], second[i], word[i])
         a *= radius[i]
@@ -291,8 +294,8 @@ def _best_chunk(low: Index, high: Index, scenarios: ScenarioArrays, rows: Rows) 
         second[i] = b
         length[i] = a + b if clear > length[i] else math.nan
         word[i] = code
-        left += not (length[i] <= LARGEST)
-    return left
+        rows_left += not (length[i] <= LARGEST)
+    return rows_left
 
 
 @threaded

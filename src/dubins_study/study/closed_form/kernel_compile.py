@@ -11,6 +11,7 @@ import logging
 import math
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
+from itertools import chain
 from pathlib import Path
 from types import FunctionType
 from typing import Any, TypeVar, cast
@@ -53,8 +54,8 @@ class _Announcement(event.Listener):
         module = compiling.data["dispatcher"].py_func.__module__
         part = next((part for part in _PARTS if module.startswith(f"{_PACKAGE}.{part}")), None)
         # the check of rows is compiled with the loops over them, of whichever legs
-        said = self.announced - {"study.route"} if part == "study" else self.announced & {part}
-        if part is None or said or self.depth > 1:
+        announced = self.announced - {"study.route"} if part == "study" else self.announced & {part}
+        if part is None or announced or self.depth > 1:
             return
         self.announced.add(part)
         loops, seconds = _PARTS[part]
@@ -70,11 +71,8 @@ event.register("numba:compile", _Announcement())  # type: ignore[no-untyped-call
 
 # the sources that a loop can call or take a constant from
 _STUDY = Path(__file__).parents[1]
-_FILES = sorted(
-    file
-    for folder in ("", "closed_form", "route", "tour", "check", "judging")
-    for file in (_STUDY / folder).glob("*.py")
-)
+_FOLDERS = ("", "closed_form", "route", "tour", "check", "judging")
+_FILES = sorted(chain.from_iterable((_STUDY / folder).glob("*.py") for folder in _FOLDERS))
 _SOURCES = hashlib.sha256(b"".join(file.read_bytes() for file in _FILES)).hexdigest()[:12]
 
 
@@ -98,11 +96,11 @@ def _with_callees(function: Function) -> Function:
     Numba compiles the plain functions that it calls by name. They stay plain for Python, which runs
     them for one row without loading Numba. The function itself is returned.
     """
-    named = map(function.__globals__.get, function.__code__.co_names)
-    for called in {value for value in named if isinstance(value, FunctionType)} - _callable:
-        if called.__module__.startswith(_PACKAGE):
-            _callable.add(called)
-            register_jitable(_with_callees(called))
+    values = map(function.__globals__.get, function.__code__.co_names)
+    for callee in {value for value in values if isinstance(value, FunctionType)} - _callable:
+        if callee.__module__.startswith(_PACKAGE):
+            _callable.add(callee)
+            register_jitable(_with_callees(callee))
     return function
 
 
@@ -153,11 +151,11 @@ def threaded(function: Loop) -> Loop:
             return
         rows = PIECE * math.ceil(n / (PIECE * PIECES * threads))
         with ThreadPoolExecutor(threads) as pool:
-            asked = [
+            pieces = [
                 pool.submit(loop, begin, min(begin + rows, n), *arguments)
                 for begin in range(0, n, rows)
             ]
-            for piece in asked:
+            for piece in pieces:
                 piece.result()
 
     return run

@@ -65,7 +65,9 @@ _ROUNDER = 1.5 * 2.0**52  # adding it rounds to an integer
 _TWO_OVER_PI = 2.0 / math.pi
 _TAN_PI_8 = math.tan(math.pi / 8)
 _TAN_3PI_8 = math.tan(3 * math.pi / 8)
-_PI_4, _PI_2, _PI = math.pi / 4, math.pi / 2, math.pi
+_PI_4 = math.pi / 4
+_PI_2 = math.pi / 2
+_PI = math.pi
 
 
 def _fma(typing_context: Any, a: Any, b: Any, c: Any) -> Any:
@@ -154,7 +156,8 @@ def upper_arctangent(y: float, x: float) -> float:
     a = abs(x)
     steep = y > _TAN_3PI_8 * a
     flat = y <= _TAN_PI_8 * a
-    low, sum_ = y - a, y + a
+    low = y - a
+    sum_ = y + a
     top = -a if steep else low
     bottom = y if steep else sum_
     turned = _PI_2 if steep else _PI_4

@@ -45,7 +45,8 @@ def leg(start: Pose, end: Pose, radius: float) -> Leg:
     """Leg between two poses (docs/derivation.md, section 14)."""
     x, y = (end.x - start.x) / radius, (end.y - start.y) / radius
     extent = (abs(start.x) + abs(start.y) + abs(end.x) + abs(end.y)) / radius
-    return Leg(x, y, start.heading, end.heading, pose_delta(extent, abs(x) + abs(y)))
+    delta = pose_delta(extent, abs(x) + abs(y))
+    return Leg(x, y, a=start.heading, b=end.heading, delta=delta)
 
 
 # Python runs the functions from here to `pose_gradient` for one leg; `pose_kernel` compiles the
@@ -68,12 +69,20 @@ def pose_shortest(
     If words are equally long, it is the first of them.
     """
     X, Y, sine, cosine = body_pose(x, y, a, b)
-    best, index, t, p, q = math.inf, 0, math.nan, math.nan, math.nan
+    best = math.inf
+    index = 0
+    t = math.nan
+    p = math.nan
+    q = math.nan
     for word_index in range(6):
         t1, p1, q1 = word_in_body(X, Y, sine, cosine, word_index, delta)
         length = t1 + p1 + q1
         if length < best:  # False for NaN
-            best, index, t, p, q = length, word_index, t1, p1, q1
+            best = length
+            index = word_index
+            t = t1
+            p = p1
+            q = q1
     return best, index, t, p, q
 
 
@@ -103,7 +112,10 @@ def body_pose(x: float, y: float, a: float, b: float) -> tuple[float, float, flo
 
     X, Y, and the sine and cosine of its heading there.
     """
-    sine_a, cosine_a, sine_b, cosine_b = math.sin(a), math.cos(a), math.sin(b), math.cos(b)
+    sine_a = math.sin(a)
+    cosine_a = math.cos(a)
+    sine_b = math.sin(b)
+    cosine_b = math.cos(b)
     X, Y = x * cosine_a + y * sine_a, y * cosine_a - x * sine_a
     return X, Y, sine_b * cosine_a - cosine_b * sine_a, cosine_b * cosine_a + sine_b * sine_a
 
@@ -116,7 +128,8 @@ def word_in_body(
     The end is given as `body_pose` returns it.
     """
     if word_index in (1, 3, 4):  # the mirror images of LSL, LSR and LRL
-        Y, sine = -Y, -sine
+        Y = -Y
+        sine = -sine
     if word_index < 2:
         return _left_straight_left(X, Y, sine, cosine, delta)
     if word_index < 4:
@@ -159,7 +172,8 @@ def _left_straight_right(
     p = math.sqrt(max(square, 0.0))
     t = math.atan2(2.0 * x1 + p * y1, p * x1 - 2.0 * y1)
     q = math.atan2(2.0 * x2 + p * y2, p * x2 - 2.0 * y2)
-    left, right = x1 >= 0.0 and y1 >= -2.0, x2 >= 0.0 and y2 >= -2.0
+    left = x1 >= 0.0 and y1 >= -2.0
+    right = x2 >= 0.0 and y2 >= -2.0
     return _on_side(t, left), p, _on_side(q, right)
 
 
@@ -175,7 +189,8 @@ def _left_right_left(
     if d <= half:  # one circle: a full turn of the middle arc
         return _turn(math.atan2(s, c), half), TWO_PI, 0.0
     # |C - (0, -1)|^2 - 4 of the last centre C: zero where the first arc vanishes
-    first, last = x1 * x1 + y1 * (y1 + 4.0), x2 * x2 + y2 * (y2 + 4.0)
+    first = x1 * x1 + y1 * (y1 + 4.0)
+    last = x2 * x2 + y2 * (y2 + 4.0)
     if abs(first) <= 2.0 * delta and x1 <= half:
         p = TWO_PI - math.atan2(max(-x1, 0.0), y1 + 2.0)
         return 0.0, p, _turn(_principal(math.atan2(s, c) + p), half)
@@ -183,8 +198,10 @@ def _left_right_left(
         p = TWO_PI - math.atan2(max(-x2, 0.0), y2 + 2.0)
         return _turn(_principal(math.atan2(s, c) + p), half), p, 0.0
     middle = 0.5 * _PI + math.atan2(math.sqrt(max((4.0 - d) * (4.0 + d), 0.0)), d)
-    t, q = _principal(math.atan2(y1, x1) + middle), _principal(math.atan2(y2, x2) + middle)
-    left, right = first <= 0.0 or x1 > 0.0, last <= 0.0 or x2 > 0.0
+    t = _principal(math.atan2(y1, x1) + middle)
+    q = _principal(math.atan2(y2, x2) + middle)
+    left = first <= 0.0 or x1 > 0.0
+    right = last <= 0.0 or x2 > 0.0
     return _on_side(t, left), 2.0 * middle, _on_side(q, right)
 
 
@@ -250,7 +267,8 @@ def pose_curvatures(word_index: int, t: float, p: float, q: float) -> tuple[floa
             last * (1.0 + last * inverse) if last != 0.0 else 0.0,
         )
     half = 0.5 * p
-    sine, rho = math.sin(half), -1.0 / math.cos(half)
+    sine = math.sin(half)
+    rho = -1.0 / math.cos(half)
     u, v = half - t, q - half
     across, along = 0.25 * rho / sine, 0.25 * sine * rho**3
     return (
@@ -281,5 +299,5 @@ def pose_path(start: Pose, end: Pose, radius: float, branch: str = "best") -> Pa
 
     None where the branch has none.
     """
-    found = shortest_to_pose(start, end, radius, branch)
-    return None if found is None else as_path(start, radius, found.word, found.segments)
+    shortest = shortest_to_pose(start, end, radius, branch)
+    return None if shortest is None else as_path(start, radius, shortest.word, shortest.segments)

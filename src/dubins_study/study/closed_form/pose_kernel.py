@@ -55,7 +55,8 @@ SIDES = np.array([[TURN[letter] for letter in word] for word in WORDS6])
 
 _PI = math.pi
 # at least 4 delta: four times the sum in `pose.pose_delta`, with |x| + |y| at most the extent
-_FOUR_EXTENT, _FOUR_HEADINGS = 60.0 * EPS, 4.0 * pose.PER_HEADINGS
+_FOUR_EXTENT = 60.0 * EPS
+_FOUR_HEADINGS = 4.0 * pose.PER_HEADINGS
 # A row is delicate where its distance from an arc's edge (radii or rad), or |V|^2 - 4 of a
 # straight, is below this.
 _NEAR = 1e-6
@@ -65,7 +66,8 @@ _STEEP = 0.1
 # chords of acos(d / 4) through d = 0, 3 and 4: from the first, its fall, and four times the last's
 _CHORD = (math.pi / 2, (math.pi / 2 - math.acos(0.75)) / 3.0, 4.0 * math.acos(0.75))
 
-pose_shortest, pose_segments = separate(pose.pose_shortest), separate(pose.pose_segments)
+pose_shortest = separate(pose.pose_shortest)
+pose_segments = separate(pose.pose_segments)
 _pose_delta = inlined(pose.pose_delta)
 
 
@@ -116,7 +118,9 @@ def _exactly(i: int, word: int, legs: PoseArrays, rows: Rows) -> None:
 @inlined
 def _write(i: Index, t: float, p: float, q: float, code: int, R: float, rows: Rows) -> None:
     length, segments, word = rows
-    segments[0, i], segments[1, i], segments[2, i] = t * R, p * R, q * R
+    segments[0, i] = t * R
+    segments[1, i] = p * R
+    segments[2, i] = q * R
     length[i] = t * R + p * R + q * R
     word[i] = code
 
@@ -202,7 +206,8 @@ def _with_straight(
     lsl = d_left + turn + _turns(left1 >= 0.0, left2 >= 0.0, turn)
     rsr = d_right + back + _turns(right1 >= 0.0, right2 >= 0.0, back)
     mirrored = rsr < lsl
-    x1, y1 = (x_right if mirrored else x_left), (right1 if mirrored else left1)
+    x1 = x_right if mirrored else x_left
+    y1 = right1 if mirrored else left1
     first = full_arctangent(y1, x1)
     last = (back if mirrored else turn) - first
     last = last + TWO_PI if last < 0.0 else last
@@ -214,11 +219,9 @@ def _with_straight(
     second = rsl < lsr
     crossed = rsl if second else lsr
     cross = crossed < same
-    t, p, q = (
-        (t2 if second else t1) if cross else first,
-        (p2 if second else p1) if cross else (d_right if mirrored else d_left),
-        (q2 if second else q1) if cross else last,
-    )
+    t = (t2 if second else t1) if cross else first
+    p = (p2 if second else p1) if cross else (d_right if mirrored else d_left)
+    q = (q2 if second else q1) if cross else last
     word = (3 if second else 2) if cross else (1 if mirrored else 0)
     runner_up = min(max(same, crossed), min(max(lsl, rsr), max(lsr, rsl)))
     edges = min(min(abs(left1), abs(right1)), min(abs(left2), abs(right2)))
@@ -299,10 +302,16 @@ def _best_block(
     """
     x, y, heading, tx, ty, radius, final = legs
     length = rows.length
-    X, Y, sine, cosine = scratch[0], scratch[1], scratch[2], scratch[3]
-    turn, best, least = scratch[4], scratch[5], scratch[6]
-    low, n = np.uint64(begin), np.uint64(end - begin)
-    left = 0
+    X = scratch[0]
+    Y = scratch[1]
+    sine = scratch[2]
+    cosine = scratch[3]
+    turn = scratch[4]
+    best = scratch[5]
+    least = scratch[6]
+    low = np.uint64(begin)
+    n = np.uint64(end - begin)
+    rows_left = 0
     for j in range(n):
         i = low + j
         X[j], Y[j], sine[j], cosine[j], angle = to_body(
@@ -310,7 +319,7 @@ def _best_block(
         )
         reducible = (abs(heading[i]) <= LARGEST_ANGLE) & (abs(final[i]) <= LARGEST_ANGLE)
         turn[j] = angle if reducible else math.nan
-        left += not reducible
+        rows_left += not reducible
     for j in range(n):
         i = low + j
         t, p, q, code, clear, least[j] = _with_straight(X[j], Y[j], sine[j], cosine[j], turn[j])
@@ -318,7 +327,7 @@ def _best_block(
         _write(i, t, p, q, code, radius[i], rows)
         sound = _is_clear(clear, x[i], y[i], tx[i], ty[i], radius[i])
         length[i] = length[i] if sound else math.nan
-        left += not (length[i] <= LARGEST)
+        rows_left += not (length[i] <= LARGEST)
     count = 0
     for j in range(n):
         waiting[count] = j
@@ -335,10 +344,10 @@ def _best_block(
         i = low + np.uint64(waiting[k])
         if not _is_clear(turn[k], x[i], y[i], tx[i], ty[i], radius[i]):
             length[i] = math.nan
-            left += 1
+            rows_left += 1
         elif X[k] + Y[k] + sine[k] < best[k] and length[i] <= LARGEST:
             _write(i, X[k], Y[k], sine[k], int(cosine[k]), radius[i], rows)
-    return left
+    return rows_left
 
 
 @inlined
@@ -350,7 +359,8 @@ def _is_clear(clear: float, x: float, y: float, tx: float, ty: float, radius: fl
 
 @threaded
 def _best_rows(begin: int, end: int, legs: PoseArrays, rows: Rows) -> None:
-    scratch, waiting = np.empty((7, CHUNK)), np.empty(CHUNK, np.int64)
+    scratch = np.empty((7, CHUNK))
+    waiting = np.empty(CHUNK, np.int64)
     for low in range(begin, end, CHUNK):
         high = min(low + CHUNK, end)
         if _best_block(low, high, legs, rows, scratch, waiting):

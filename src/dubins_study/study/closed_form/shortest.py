@@ -137,9 +137,12 @@ def shortest_local(target: Local, branch: str = "best") -> Shortest | None:
         arcs = find(X, Y, delta)
         return None if math.isnan(arcs[0]) else named(branch, arcs)
     X, Y, delta = target
-    left, on_axis = chosen_side(Y, delta), chosen_side(-abs(Y), delta)
+    left = chosen_side(Y, delta)
+    on_axis = chosen_side(-abs(Y), delta)
     first, second, arcs_only = best_segments(X, abs(Y), delta)
-    letters = ("RL" if left else "LR") if arcs_only else ("LS" if left else "RS")
+    letters = "LS" if left else "RS"
+    if arcs_only:
+        letters = "RL" if left else "LR"
     shortest = named(letters, (first, second))
     if not (on_axis and first > 0.0):
         return shortest

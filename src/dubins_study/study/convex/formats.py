@@ -25,10 +25,10 @@ def _one_sided(problem: Problem) -> list[_Part]:
     The kinds are those of QPS.
     """
     ends = {"E": problem.u, "L": problem.u, "G": problem.l}
-    chosen = {"E": problem.equal, "L": ~problem.equal, "G": ~problem.equal}
+    masks = {"E": problem.equal, "L": ~problem.equal, "G": ~problem.equal}
     parts = []
     for kind, values in ends.items():
-        rows = chosen[kind] & np.isfinite(values)
+        rows = masks[kind] & np.isfinite(values)
         parts.append((kind, problem.A[rows], values[rows]))
     return parts
 

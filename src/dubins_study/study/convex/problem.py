@@ -148,11 +148,11 @@ def matching(patterns: Iterable[str]) -> list[Scenario]:
     A pattern is like `qp-50-*`. Each problem is given as the route that it comes from, with its
     name as the label. The problem `trivial` has no route; floors are measured with it.
     """
-    found = []
+    scenarios = []
     for name, entry in listed().items():
         if "route" in entry and any(fnmatchcase(name, pattern) for pattern in patterns):
-            found.append(Scenario(label=name, **entry["route"]))
-    return found
+            scenarios.append(Scenario(label=name, **entry["route"]))
+    return scenarios
 
 
 @lru_cache(maxsize=128)

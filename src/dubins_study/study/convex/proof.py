@@ -44,7 +44,8 @@ def residuals(problem: Problem, point: Point) -> Residuals:
     conditions of Karush, Kuhn and Tucker, unscaled.
     """
     x, y, z, w = point
-    rows, inside = problem.A @ x, problem.C @ x + problem.d
+    rows = problem.A @ x
+    inside = problem.C @ x + problem.d
     beyond = (problem.l - rows, rows - problem.u, problem.lb - x, x - problem.ub)
     primal = max(_largest(each) for each in (*beyond, _outside(inside, problem.cones)))
     # a row without an end has no multiplier on that side
@@ -109,8 +110,8 @@ def closing_columns(problem: Problem) -> dict[int, tuple[int, float]]:
     columns = problem.A.tocsc()
     alone = np.flatnonzero((np.diff(columns.indptr) == 1) & (problem.p == 0) & (problem.q == 0))
     places = columns.indptr[alone]
-    found = zip(columns.indices[places], alone, columns.data[places], strict=True)
-    return {int(row): (int(column), float(a)) for row, column, a in found if problem.equal[row]}
+    entries = zip(columns.indices[places], alone, columns.data[places], strict=True)
+    return {int(row): (int(column), float(a)) for row, column, a in entries if problem.equal[row]}
 
 
 def _closed(problem: Problem, x: FloatArray) -> FloatArray:
@@ -158,9 +159,9 @@ def _feasible_objective(problem: Problem, x: FloatArray) -> float | None:
             column, factor = closing[row]
             point[column] += (arb(problem.u[row]) - values[row]) / arb(factor)
         ends = zip(problem.equal, problem.l, problem.u, values, strict=True)
-        kept = all(equal or _between(low, value, high) for equal, low, high, value in ends)
+        rows_hold = all(equal or _between(low, value, high) for equal, low, high, value in ends)
         bounds = zip(problem.lb, point, problem.ub, strict=True)
-        if not (kept and all(_between(low, value, high) for low, value, high in bounds)):
+        if not (rows_hold and all(_between(low, value, high) for low, value, high in bounds)):
             return None
         total = _dot(problem.q, point) + _dot(problem.p, [value * value for value in point]) / 2
         inside = [
@@ -201,7 +202,8 @@ def lower_bound(problem: Problem, point: Point) -> float:
     if not (np.isfinite(y).all() and np.isfinite(w).all()):
         return -np.inf
     with ctx.workprec(_BITS):
-        rows, cones = [arb(value) for value in y], [arb(value) for value in w]
+        rows = [arb(value) for value in y]
+        cones = [arb(value) for value in w]
         if not _in_cones(cones, problem.cones):
             return -np.inf
         ends = np.where(y > 0, problem.u, np.where(y < 0, problem.l, 0.0))
@@ -210,7 +212,7 @@ def lower_bound(problem: Problem, point: Point) -> float:
         pushes = _rows(csr_array(problem.C.T), cones)
         columns = zip(problem.p, problem.q, problem.lb, problem.ub, pulls, pushes, strict=True)
         for p, q, low, high, pull, push in columns:
-            total += _least(arb(p), arb(q) + pull - push, arb(low), arb(high))
+            total += _least(arb(p), arb(q) + pull - push, low=arb(low), high=arb(high))
         return float(total.lower())
 
 
@@ -238,7 +240,9 @@ def _rows(matrix: csr_array, values: list[Any]) -> list[Any]:
 
     The matrix holds doubles.
     """
-    ends, columns, data = matrix.indptr.tolist(), matrix.indices.tolist(), matrix.data.tolist()
+    ends = matrix.indptr.tolist()
+    columns = matrix.indices.tolist()
+    data = matrix.data.tolist()
     return [
         sum((arb(data[place]) * values[columns[place]] for place in range(begin, end)), arb(0))
         for begin, end in pairwise(ends)
@@ -263,16 +267,18 @@ def judge_convex(
     point surely costs more. A claim of an optimum is false if the point is not optimal, and a
     residual or the gap of both objectives is beyond the tolerance as well.
     """
-    low, high, verdict = None, None, Verdict.NONE
+    low = None
+    high = None
+    verdict = Verdict.NONE
     shares: dict[str, Any] = {}
     if name in listed():
         low, high = reference(name)
         problem = read(name)
         if numbers is not None and numbers.size == problem.numbers and np.isfinite(numbers).all():
-            verdict, measured = _measured(name, problem.split(numbers), tolerance)
-            shares |= measured
-    kept = max(shares.get(name, np.inf) for name in ("miss", "dual_residual", "duality_gap"))
-    wrong = verdict is not Verdict.OPTIMAL and not kept <= tolerance
+            verdict, columns = _measure(name, problem.split(numbers), tolerance)
+            shares |= columns
+    worst = max(shares.get(name, np.inf) for name in ("miss", "dual_residual", "duality_gap"))
+    wrong = verdict is not Verdict.OPTIMAL and not worst <= tolerance
     false = claim is Claim.INFEASIBLE or (claim is Claim.OPTIMAL and wrong)
     proof = Proof.PROVED if verdict is Verdict.OPTIMAL else Proof.NONE
     return (
@@ -281,10 +287,12 @@ def judge_convex(
     )
 
 
-def _measured(name: str, point: Point, tolerance: float) -> tuple[Verdict, dict[str, float]]:
-    problem, (low, high) = read(name), reference(name)
+def _measure(name: str, point: Point, tolerance: float) -> tuple[Verdict, dict[str, float]]:
+    problem = read(name)
+    low, high = reference(name)
     primal, dual, gap = residuals(problem, point)
-    value, scale = upper_bound(problem, point.x), max(1.0, abs(low))
+    value = upper_bound(problem, point.x)
+    scale = max(1.0, abs(low))
     shares = {
         "miss": primal,
         "dual_residual": dual,

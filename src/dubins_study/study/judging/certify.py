@@ -74,7 +74,7 @@ def certify(
         proof = Proof.PROVED
     elif arriving is not None:
         extremal = arriving == 0 or _is_extremal(costates, arriving / radius)
-        near = interval.exists and interval.holds(arriving, allowed)
+        near = interval.exists and interval.holds(arriving, tolerance=allowed)
         clear = branch != "best" or (cut is not None and cut >= -CUT_TOLERANCE)
         alone = kind.by_interval or branch in _BY_INTERVAL
         if near and judged.verdict is Verdict.OPTIMAL and (alone or (extremal and clear)):

@@ -28,23 +28,26 @@ def judge(
     verdict `none exists`, its claim.
     """
     kind = kind_of(scenario, branch)
-    known = kind.known(scenario, branch)
+    columns = kind.known(scenario, branch)
     if path is None or not drivable(path):
         verdict = Verdict.NONE if path is None else Verdict.MISSES
         # the best path always exists, and nothing has to be searched for
         denied = path is None and claim in DENIALS and branch != "best"
         if denied and kind.reference(scenario, branch, tolerances).enclosure.absent:
             verdict = Verdict.NONE_EXISTS
-        return Judgement(verdict=verdict, false_claim=is_false(claim, verdict), **known)
+        return Judgement(verdict=verdict, false_claim=is_false(claim, verdict), **columns)
     seen = seen_of(scenario, path, branch, tolerances)
     length = path.length
     # the ends of all legs but the last, which ends with the path
     ends = seen.visits.at[: scenario.legs - 1]
     word = kind.words_of(path, ends, scenario.radius)
+    start_heading = path.start.heading if scenario.heading is None else None
     verdict = Verdict.MISSES
     if seen.arrives and seen.excess <= tolerances.curvature and scenario.starts(path.start):
-        verdict, columns = kind.verdict(scenario, Arrived(path, branch, seen, word), tolerances)
-        known = known | columns
+        verdict, verdict_columns = kind.verdict(
+            scenario, Arrived(path, branch, seen, word), tolerances
+        )
+        columns = columns | verdict_columns
     return Judgement(
         verdict=verdict,
         false_claim=is_false(claim, verdict),
@@ -54,9 +57,9 @@ def judge(
         miss=seen.miss,
         visits=list(seen.visits.at) or None,
         visit_order=_order(scenario, seen),
-        start_heading=path.start.heading if scenario.heading is None else None,
+        start_heading=start_heading,
         curvature_excess=seen.excess,
-        **known,
+        **columns,
     )
 
 
@@ -82,7 +85,9 @@ def miss_reason(
     seen = seen_of(scenario, path, branch, tolerances)
     if seen.excess > tolerances.curvature:
         return f"the curvature is {seen.excess:.3g} / R beyond what the branch allows"
-    if seen.miss > allowed_miss(tolerances.miss, radius, scenario.extent, path.length):
+    if seen.miss > allowed_miss(
+        tolerances.miss, radius, extent=scenario.extent, length=path.length
+    ):
         if seen.visits.miss == seen.miss:
             in_order = ", in their order" if scenario.order is Order.GIVEN else ""
             return f"the path passes {seen.miss / radius:.3g} R from a via point{in_order}"

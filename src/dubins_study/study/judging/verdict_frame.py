@@ -66,6 +66,11 @@ _FALSE = np.array([[is_false(claim, verdict) for verdict in VERDICTS] for claim 
 _DENIALS = list(map(CLAIMS.index, DENIALS))
 
 
+def _number(value: float) -> float | None:
+    """Number as a Python float; None for NaN."""
+    return None if math.isnan(value) else float(value)
+
+
 class FrameJudgement(NamedTuple):
     """Judgements of n rows, as arrays of shape (n,).
 
@@ -92,18 +97,19 @@ class FrameJudgement(NamedTuple):
 
         A row's certificate begins with them.
         """
-        length, gap = float(self.length[row]), float(self.gap[row])
         return Judgement(
             verdict=VERDICTS[self.verdict[row]],
             false_claim=bool(self.false_claim[row]),
-            length=None if math.isnan(length) else length,
-            gap=None if math.isnan(gap) else gap,
+            length=_number(self.length[row]),
+            gap=_number(self.gap[row]),
         )
 
     @classmethod
     def empty(cls, n: int) -> FrameJudgement:
         """Room for n rows; none is a wrong basin."""
-        codes, numbers, flags = np.empty((4, n), np.uint8), np.empty((7, n)), np.zeros((2, n), bool)
+        codes = np.empty((4, n), np.uint8)
+        numbers = np.empty((7, n))
+        flags = np.zeros((2, n), bool)
         return cls._make([*codes[:3], *numbers[:6], *flags, codes[3], numbers[6]])
 
 
@@ -127,7 +133,8 @@ class _Limits(NamedTuple):
 
 # the rates of three segments of all words: to any heading, then to a given one
 _RATES = np.concatenate((RATES, SIDES))
-_FREE, _POSED = 0, len(RATES)
+_FREE = 0
+_POSED = len(RATES)
 
 
 def judge_frame(
@@ -153,18 +160,20 @@ def judge_frame(
     columns = {name: loop_input(frame[name]) for name in (*NUMBERS, "final_heading")}
     legs = PoseArrays(*(columns[name] for name in PoseArrays._fields))
     result = FrameJudgement.empty(n)
-    arcs = three_arcs(paths)
+    curvatures, lengths = three_arcs(paths)
     free = not with_final_headings(frame)
+    rounded = 0.0 if free else ROUNDED
+    cut = 0.0 if free else CUT
     limits = _Limits(
         miss=tolerances.miss,
         curvature=tolerances.curvature,
         gap=tolerances.gap,
-        rounded=0.0 if free else ROUNDED,
-        cut=0.0 if free else CUT,
+        rounded=rounded,
+        cut=cut,
     )
     best = _shortest_free(legs, branch, result) if free else _shortest_posed(legs, branch, result)
-    _name_rows(n, best, arcs[1], legs.radius, limits.cut, result.word)
-    _judge_rows(n, legs, *arcs, free, best, limits, result)
+    _name_rows(n, best, lengths, legs.radius, limits.cut, result.word)
+    _judge_rows(n, legs, curvatures, lengths, free, best, limits, result)
     if paths.returned is not None:
         denied = np.isin(codes, _DENIALS) & (branch != "best")
         _judge_nothing(~paths.returned, denied, best, free, result)
@@ -174,12 +183,13 @@ def judge_frame(
         if free:
             del numbers["final_heading"]
         scenario = Scenario(**numbers, _radians=True)
-        asked = CLAIMS[codes if isinstance(codes, int) else codes[row]]
+        code = codes if isinstance(codes, int) else codes[row]
         path = paths.path(row, scenario)
-        _write(result, row, judge(scenario, path, asked, branch, tolerances))
+        _write(result, row, judge(scenario, path, CLAIMS[code], branch, tolerances))
     # np.take is quicker than indexing where one claim holds for all rows
-    one, verdict = isinstance(codes, int), result.verdict
-    false = np.take(_FALSE[codes], verdict) if one else _FALSE[codes, verdict]
+    one_claim = isinstance(codes, int)
+    verdict = result.verdict
+    false = np.take(_FALSE[codes], verdict) if one_claim else _FALSE[codes, verdict]
     return result._replace(false_claim=false)
 
 
@@ -237,12 +247,12 @@ def _judge_nothing(
         result.reference_word[gone] = NO_WORD
 
 
-def _write(result: FrameJudgement, row: int, judged: Judgement) -> None:
+def _write(result: FrameJudgement, row: int, judgement: Judgement) -> None:
     for name, texts in TEXTS.items():
-        text = getattr(judged, name)
+        text = getattr(judgement, name)
         getattr(result, name)[row] = NO_WORD if text is None else texts.index(text)
     for name in set(FrameJudgement._fields) - {*TEXTS, "false_claim"}:
-        value = getattr(judged, name)
+        value = getattr(judgement, name)
         getattr(result, name)[row] = np.nan if value is None else value
 
 
@@ -324,8 +334,8 @@ def _name_rows(
             if place < 2 and rate == _RATES[code, place + 1]:
                 continue  # one run with the next
             turns = (rate != 0.0) & (length > WORD * radius[i])
-            seen = (length > cut * min(radius[i], total)) & (turns | (length > WORD * total))
-            letter = ((2 if rate > 0.0 else 3) if turns else 1) if seen else 0
+            visible = (length > cut * min(radius[i], total)) & (turns | (length > WORD * total))
+            letter = ((2 if rate > 0.0 else 3) if turns else 1) if visible else 0
             name = name if letter == 0 or letter == name % 4 else 4 * name + letter
             length = 0.0
         names[i] = _CODES[name]
@@ -349,9 +359,12 @@ def _judge_rows(
     hold the turn and the sum of all turns.
     """
     x, y, heading, tx, ty, radius, final = legs
-    verdict, length = result.verdict, result.length
-    miss, excess = result.miss, result.curvature_excess
-    turn, turns = result.gap, result.reference
+    verdict = result.verdict
+    length = result.length
+    miss = result.miss
+    excess = result.curvature_excess
+    turn = result.gap
+    turns = result.reference
     for chunk in range(begin, end, CHUNK):
         low, high = chunk_from(chunk, end)
         for i in range(low, high):

@@ -90,7 +90,7 @@ class Asked:
         The flags say which of the fields of `OPTIONAL` are given (`Scenario.given`).
         """
         has = dict(zip(OPTIONAL, given, strict=True))
-        return all(has[name] == wanted for name, wanted in self.fields.items())
+        return all(has[name] == needed for name, needed in self.fields.items())
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

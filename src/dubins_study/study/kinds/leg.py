@@ -88,7 +88,9 @@ def _verdict(scenario: Scenario, arrived: Arrived, tolerances: Tolerances) -> Fo
     turning circle within the miss may have one.
     """
     path, branch, seen, word = arrived
-    length, radius, end = path.length, scenario.radius, seen.end
+    length = path.length
+    radius = scenario.radius
+    end = seen.end
     optimum, _ = _optimum(scenario, branch)
     reference = None if optimum is None else optimum.total * radius
     if reference is None or length < reference * (1.0 - ROUNDED):
@@ -103,15 +105,22 @@ def _verdict(scenario: Scenario, arrived: Arrived, tolerances: Tolerances) -> Fo
         if there is None:
             return Found(Verdict.MISSES, {})
         reference = there.total * radius
-    reference = _known_to_delta(scenario, branch, length, reference, tolerances.gap)
+    reference = _known_to_delta(
+        scenario, branch, length=length, reference=reference, gap=tolerances.gap
+    )
     gap = (length - reference) / max(reference, radius)
     longer = gap > tolerances.gap
+    wrong_basin = False
+    if longer:
+        words, turns = _basins(optimum)
+        wrong_basin = is_wrong_basin(path, word, gap, words, turns)
     columns = {
         "reference": reference,
         "gap": gap,
-        "wrong_basin": longer and is_wrong_basin(path, word, gap, *_basins(optimum)),
+        "wrong_basin": wrong_basin,
     }
-    return Found(Verdict.LONGER if longer else Verdict.OPTIMAL, columns)
+    verdict = Verdict.LONGER if longer else Verdict.OPTIMAL
+    return Found(verdict, columns)
 
 
 def _known_to_delta(
@@ -145,12 +154,12 @@ def _basins(optimum: Shortest | None) -> tuple[tuple[str, ...], tuple[float, ...
     return optimum.words, (turn, -turn)[: len(optimum.words)]
 
 
-def _costates(scenario: Scenario, path: Path, judged: Judgement, until: float) -> Costates:
+def _costates(scenario: Scenario, path: Path, judgement: Judgement, until: float) -> Costates:
     """Costates and cut margin of a path.
 
     Any path that can be driven is measured, since a path is an extremal to wherever it ends.
     """
-    if judged.length is None:
+    if judgement.length is None:
         return Costates()
     return Costates(*measure(path, scenario.radius, free=True))
 

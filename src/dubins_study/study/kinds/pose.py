@@ -56,8 +56,8 @@ def _nearest(enclosure: Enclosure, length: float, tolerance: float) -> Part:
     return nearest, nearest
 
 
-def _costates(scenario: Scenario, path: Path, judged: Judgement, until: float) -> Costates:
-    if judged.gap is None:
+def _costates(scenario: Scenario, path: Path, judgement: Judgement, until: float) -> Costates:
+    if judgement.gap is None:
         return Costates()
     return Costates(*measure(path, scenario.radius, free=False))
 

@@ -32,8 +32,8 @@ def _prepare() -> None:
 def _exact(scenario: Scenario, branch: str, limit: float) -> Exact:
     from dubins_study.study.kinds.shortest import shortest_route
 
-    found = shortest_route(scenario, limit)
-    return Exact(found.path, found.low, found.high)
+    route = shortest_route(scenario, limit)
+    return Exact(route.path, route.low, route.high)
 
 
 def _reference(scenario: Scenario, branch: str, tolerances: Tolerances) -> Reference:
@@ -46,10 +46,12 @@ def _reference(scenario: Scenario, branch: str, tolerances: Tolerances) -> Refer
             return kind.reference(scenario, branch, tolerances)
     from dubins_study.study.kinds.shortest import known_route
 
-    left = min(tolerances.until - perf_counter(), tolerances.patience * tolerances.search_s)
-    found = known_route(scenario, tolerances.search_s, max(_SEARCH_SHARE * left, 0.0))
-    part = (found.low, found.high)
-    return Reference(Enclosure(*part, False, (part,)), found.path, found.at)
+    seconds_left = min(tolerances.until - perf_counter(), tolerances.patience * tolerances.search_s)
+    seconds = max(_SEARCH_SHARE * seconds_left, 0.0)
+    route = known_route(scenario, search_s=tolerances.search_s, seconds=seconds)
+    part = (route.low, route.high)
+    enclosure = Enclosure(low=route.low, high=route.high, absent=False, parts=(part,))
+    return Reference(enclosure, route.path, route.at)
 
 
 def _interval(enclosure: Enclosure, length: float, tolerance: float) -> Part:
@@ -60,16 +62,16 @@ def _interval(enclosure: Enclosure, length: float, tolerance: float) -> Part:
     return enclosure.low, enclosure.high
 
 
-def _costates(scenario: Scenario, path: Path, judged: Judgement, until: float) -> Costates:
-    if judged.gap is None:
+def _costates(scenario: Scenario, path: Path, judgement: Judgement, until: float) -> Costates:
+    if judgement.gap is None:
         return Costates()
     from dubins_study.study.check.route_extremal import route_extremal
 
     if scenario.heading is None or scenario.via_heading is not None:
         return Costates()  # other conditions, at the start and where a heading is given
     free = scenario.final_heading is None and not scenario.closed
-    ends = (judged.visits or [])[: scenario.legs - 1]
-    return Costates(route_extremal(path, ends, scenario.radius, free, until))
+    ends = (judgement.visits or [])[: scenario.legs - 1]
+    return Costates(route_extremal(path, ends, scenario.radius, free=free, until=until))
 
 
 ROUTE = Kind(

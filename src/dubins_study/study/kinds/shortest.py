@@ -69,19 +69,24 @@ def shortest_route(scenario: Scenario, limit: float, boxes: float = math.inf) ->
     if len(points) == 2 and not points.any():  # with a free start heading it is there already
         path = Path(Pose(scenario.x, scenario.y, headings[-1] or 0.0), [], [])
         return ShortestRoute(path, (), 0.0, 0.0)
-    found: Route | Tour
+    result: Route | Tour
     if scenario.order is Order.FREE and len(scenario.via) > 1:
         n = len(scenario.via)
+        target = None
+        last = None
+        if scenario.target is not None:
+            target = tuple(points[-1].tolist())
+            last = headings[-1]
         stops = Stops(
             points=points[1 : n + 1],
             headings=headings[1 : n + 1],
             first=scenario.heading,
-            target=None if scenario.target is None else tuple(points[-1].tolist()),
-            last=headings[-1] if scenario.target is not None else None,
+            target=target,
+            last=last,
             closed=closed,
         )
-        found = search_tour(stops, limit=limit, boxes=boxes, tolerance=_NARROW)
-        best = found.route
+        result = search_tour(stops, limit=limit, boxes=boxes, tolerance=_NARROW)
+        best = result.route
     else:
         best = search(
             points,
@@ -93,24 +98,23 @@ def shortest_route(scenario: Scenario, limit: float, boxes: float = math.inf) ->
             boxes=boxes,
             tolerance=_NARROW,
         )
-        found = best
-    rates = np.array([TURN[letter] for word in best.words for letter in word])
+        result = best
+    rates = np.array([TURN[letter] for letter in "".join(best.words)])
     segments = best.segments * radius
     driven = segments.ravel() > 0.0
     heading = best.headings[0] if scenario.heading is None else scenario.heading
+    start = Pose(scenario.x, scenario.y, heading)
     route = ShortestRoute(
-        Path(
-            Pose(scenario.x, scenario.y, heading), rates[driven] / radius, segments.ravel()[driven]
-        ),
-        tuple(np.cumsum(segments.sum(axis=1))[:-1].tolist()),
-        max(math.nextafter(found.low * radius, -math.inf), 0.0),
-        math.nextafter(found.high * radius, math.inf),
+        path=Path(start, rates[driven] / radius, segments.ravel()[driven]),
+        at=tuple(np.cumsum(segments.sum(axis=1))[:-1].tolist()),
+        low=max(math.nextafter(result.low * radius, -math.inf), 0.0),
+        high=math.nextafter(result.high * radius, math.inf),
     )
     if len(_known) >= _MOST_KNOWN:
         _known.clear()
     _known[scenario] = _Searched(route)
-    if found.seconds > limit or found.boxes >= boxes:
-        _known[scenario] = _Searched(route, found.boxes, found.seconds)
+    if result.seconds > limit or result.boxes >= boxes:
+        _known[scenario] = _Searched(route, boxes=result.boxes, seconds=result.seconds)
     return route
 
 
@@ -129,4 +133,4 @@ def known_route(scenario: Scenario, search_s: float, seconds: float) -> Shortest
     last = _known.get(scenario)
     if last is not None and (last.boxes >= boxes or last.seconds >= _AS_LONG * seconds):
         return last.route
-    return shortest_route(scenario, seconds, boxes)
+    return shortest_route(scenario, limit=seconds, boxes=boxes)

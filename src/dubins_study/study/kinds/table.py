@@ -80,8 +80,8 @@ def rows_of(frame: pd.DataFrame, kind: Kind | Pathless) -> BoolArray:
 
 
 def _ends_posed(frame: pd.DataFrame) -> BoolArray:
-    given: BoolArray = frame["final_heading"].notna().to_numpy()
-    return given | (frame["closed"].to_numpy() & frame["heading"].notna().to_numpy())
+    fixed: BoolArray = frame["final_heading"].notna().to_numpy()
+    return fixed | (frame["closed"].to_numpy() & frame["heading"].notna().to_numpy())
 
 
 # of each of `OPTIONAL`, as `Scenario.given` has it

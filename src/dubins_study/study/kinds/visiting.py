@@ -39,7 +39,9 @@ def verdict(
             the path's length and its tolerance.
     """
     path, branch, seen, word = arrived
-    radius, length, gap = scenario.radius, path.length, tolerances.gap
+    radius = scenario.radius
+    length = path.length
+    gap = tolerances.gap
     best = reference_of(scenario, branch, tolerances)
     moved = _STEEP * (scenario.legs * seen.miss + seen.turned * radius)
     if length < best.enclosure.low * (1.0 - ROUNDED) - moved:

@@ -28,7 +28,12 @@ _PI = math.pi
 SLACK = 1e-13
 # a costate of LRL has the length 1 / |cos psi|; longer ones than this are not needed
 LONGEST_COSTATE = 20.0
-START_LEFT, START_RIGHT, END_LEFT, END_RIGHT, START_HALF, END_HALF = 1, 2, 4, 8, 16, 32
+START_LEFT = 1
+START_RIGHT = 2
+END_LEFT = 4
+END_RIGHT = 8
+START_HALF = 16
+END_HALF = 32
 
 
 class Box(NamedTuple):
@@ -84,7 +89,8 @@ class Circles(NamedTuple):
 @separate
 def mirrored(box: Box) -> Box:
     """Box whose paths are the mirror images."""
-    left, halves = START_LEFT | END_LEFT, box.apart & (START_HALF | END_HALF)
+    left = START_LEFT | END_LEFT
+    halves = box.apart & (START_HALF | END_HALF)
     apart = 2 * (box.apart & left) + (box.apart // 2 & left) + halves
     return Box(box.x, -box.y, -box.c1, box.h1, -box.slope1, -box.c2, box.h2, -box.slope2, apart)
 
@@ -94,12 +100,15 @@ def circles_of(box: Box, last: float) -> Circles:
     dx, dy = between(box.x, box.y, 1.0, last, box.c1, box.c2)
     m = math.hypot(dx, dy)
     # a centre moves along its heading, and to second order across it
-    reach, bent = box.h1 + box.h2, 0.5 * (box.h1 * box.h1 + box.h2 * box.h2)
-    axis, slack = math.atan2(dy, dx), SLACK * (1.0 + m)
+    reach = box.h1 + box.h2
+    bent = 0.5 * (box.h1 * box.h1 + box.h2 * box.h2)
+    axis = math.atan2(dy, dx)
+    slack = SLACK * (1.0 + m)
     along = abs(math.cos(axis - box.c1)) * box.h1 + abs(math.cos(axis - box.c2)) * box.h2
     across = abs(math.sin(axis - box.c1)) * box.h1 + abs(math.sin(axis - box.c2)) * box.h2
     along, across = min(along + bent, reach) + slack, min(across + bent, reach) + slack
-    nearest, turned = max(0.0, m - along), _PI
+    nearest = max(0.0, m - along)
+    turned = _PI
     if nearest > 0.0:
         turned = math.atan2(across, nearest) + SLACK
     farthest = min(math.hypot(m + along, across), m + reach + slack)
@@ -115,7 +124,8 @@ def least_between(
     The function is x + rho sin x - kappa (x - m) - mu x. Below `floor` the first two terms keep the
     value that they have there. The x - m of the least value is returned too.
     """
-    best, place = math.inf, first
+    best = math.inf
+    place = first
     cosine = (kappa + mu - 1.0) / rho
     still = math.nan
     if abs(cosine) <= 1.0:
@@ -127,7 +137,8 @@ def least_between(
         lifted = max(x, floor)
         value = lifted + rho * math.sin(lifted) - kappa * (x - m) - mu * x
         if value < best:
-            best, place = value, x
+            best = value
+            place = x
     return best, place - m
 
 
@@ -147,12 +158,14 @@ def _least(
     The value is infinite if there is no such x.
     """
     low, high = within
-    best, place = math.inf, 0.0
+    best = math.inf
+    place = 0.0
     m = middle + TWO_PI * math.ceil((low - half - middle) / TWO_PI)
     while m - half <= high:
         value, x = least_between(m, max(m - half, low), min(m + half, high), rho, kappa, mu, floor)
         if value < best:
-            best, place = value, x
+            best = value
+            place = x
         m += TWO_PI
     return best, place
 
@@ -202,7 +215,8 @@ def turning_bound(box: Box, low: float) -> float:
     `low`. The turning of the first and last arc of LSL is such a T, and so is that of LRL less its
     middle arc's.
     """
-    middle, half = box.c2 - box.c1, box.h1 + box.h2 + SLACK
+    middle = box.c2 - box.c1
+    half = box.h1 + box.h2 + SLACK
     middle += TWO_PI * math.ceil((low - half - middle) / TWO_PI)
     least = middle - abs(box.slope1 - 1.0) * box.h1 - abs(box.slope2 - 1.0) * box.h2
     return least - rounding(box, 1.0)

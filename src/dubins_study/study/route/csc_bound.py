@@ -33,7 +33,7 @@ _SHORTEST_STRAIGHT = 0.05  # radii; for a shorter S the derivative does not boun
 
 
 @separate
-def _seen(circles: Circles, heading: float) -> tuple[float, float]:
+def _last_centre(circles: Circles, heading: float) -> tuple[float, float]:
     """Position of the last centre from the first.
 
     Distances ahead and to the left, seen along a heading.
@@ -69,8 +69,8 @@ def _apex_bound(box: Box, circles: Circles) -> float:
     farthest = circles.farthest
     sine = abs(math.sin(box.c2 - box.c1))
     bent = 0.5 * (1.0 + farthest) * (box.h1 + box.h2) ** 2 + SLACK
-    along1, left1 = _seen(circles, box.c1)
-    along2, left2 = _seen(circles, box.c2)
+    along1, left1 = _last_centre(circles, box.c1)
+    along2, left2 = _last_centre(circles, box.c2)
     # an arc above pi takes half a turn from the range of S's direction
     long1, long2 = _long_arcs(box, 1.0)
     if long1 or left1 + abs(along1) * box.h1 + sine * box.h2 + bent < 0.0:
@@ -83,7 +83,8 @@ def _apex_bound(box: Box, circles: Circles) -> float:
     away = 0.0 if after <= total else min(after - total, TWO_PI - after)
     # both arcs may have any angle in the box
     m1, m2 = nu - _PI - box.c1, box.c2 - nu - _PI
-    within1, within2 = (m1 - box.h1, m1 + box.h1), (m2 - box.h2, m2 + box.h2)
+    within1 = (m1 - box.h1, m1 + box.h1)
+    within2 = (m2 - box.h2, m2 + box.h2)
     best = -math.inf
     for clipped in range(2 if length > 1.0 else 1):
         rho = min(length, 1.0) if clipped else min(length, LONGEST_COSTATE)
@@ -153,12 +154,14 @@ def _touching_bound(
     # e points where S would if the circles touched; E is the way between the centres along it
     direction = math.atan2(circles.dy, circles.dx) + 0.5 * _PI
     cosine, sine = math.cos(direction), math.sin(direction)
-    middle, reach = circles.dx * cosine + circles.dy * sine, circles.across
+    middle = circles.dx * cosine + circles.dy * sine
+    reach = circles.across
     # z, the straight's direction less that of e
     square = max(circles.farthest * circles.farthest - 4.0, 0.0)
     least = math.atan2(2.0, math.sqrt(square)) - 0.5 * _PI - circles.turned - SLACK
     most = math.asin(min(1.0, 0.5 * max(middle + reach, 0.0))) + SLACK
-    widest, extent = max(-least, most), abs(middle) + reach
+    widest = max(-least, most)
+    extent = abs(middle) + reach
     if widest > 1.2 or extent >= 2.0:
         return -math.inf
     along = 1.0 - 0.5 * mu
@@ -174,11 +177,16 @@ def _touching_bound(
     low, high = phase - _PI - most, phase - _PI - least
     within = (low, high + TWO_PI)
     part = within if end < 0 else (low, high + _PI) if short >= 0.0 else (low + _PI, high + TWO_PI)
-    length, phi = math.hypot(tau, along), direction + phase
+    length = math.hypot(tau, along)
+    phi = direction + phase
     if end == 0:
-        nu, within1, within2 = Costate(length, phi, mu, 0.0), part, within
+        nu = Costate(length, phi, mu, 0.0)
+        within1 = part
+        within2 = within
     else:
-        nu, within1, within2 = Costate(length, phi, 0.0, mu), within, part
+        nu = Costate(length, phi, 0.0, mu)
+        within1 = within
+        within2 = part
     value, _, _ = separated(box, -1.0, nu, within1, within2, -math.inf)
     return value + 2.0 * along * (_PI - phase) + 2.0 * tau - error
 
@@ -197,7 +205,8 @@ def _edge_bound(box: Box, circles: Circles) -> float:
     for first in range(2):
         # tau makes the bound flat in this heading, mu in that of the other arc if it may vanish
         a, c = arcs[first], arcs[1 - first]
-        rise, rise2 = slopes[first] - 1.0 + math.cos(a), slopes[1 - first] - 1.0 + math.cos(c)
+        rise = slopes[first] - 1.0 + math.cos(a)
+        rise2 = slopes[1 - first] - 1.0 + math.cos(c)
         sine, sine2 = math.sin(a), math.sin(c)
         half, half2 = 0.5 * math.cos(a), 0.5 * math.cos(c) - 1.0
         tau = rise / sine

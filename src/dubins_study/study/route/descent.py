@@ -20,7 +20,8 @@ from dubins_study.study.route.effort import Effort
 from dubins_study.study.route.heading_grids import shorten, shortest_leg
 from dubins_study.study.route.leg_bound import WordArray
 
-_FINE, _FINEST = 1e-6, 1e-13  # rad, of grids
+_FINE = 1e-6  # rad, of grids
+_FINEST = 1e-13
 _LARGEST_STEP = 0.3  # rad, of Newton's method
 _BESIDE_ARC = 1e-6  # rad; more than the square root of the rounding of a leg's data
 
@@ -41,10 +42,13 @@ def route_words(legs: FloatArray, headings: FloatArray) -> tuple[WordArray, Floa
     Shapes (n,) and (n, 3).
     """
     n = legs.shape[0]
-    words, segments = np.empty(n, np.int8), np.empty((n, 3))
+    words = np.empty(n, np.int8)
+    segments = np.empty((n, 3))
     for i in range(n):
         _, words[i], t, p, q = shortest_leg(legs[i, 0], legs[i, 1], headings[i], headings[i + 1])
-        segments[i, 0], segments[i, 1], segments[i, 2] = t, p, q
+        segments[i, 0] = t
+        segments[i, 1] = p
+        segments[i, 2] = q
     return words, segments
 
 
@@ -55,9 +59,13 @@ def newton(legs: FloatArray, headings: FloatArray, free: BoolArray) -> bool:
     Returns whether they came to rest at a local minimum.
     """
     n = legs.shape[0]
-    slope, diagonal, beside = np.empty(n + 1), np.empty(n + 1), np.empty(n + 1)
+    slope = np.empty(n + 1)
+    diagonal = np.empty(n + 1)
+    beside = np.empty(n + 1)
     for _ in range(40):
-        slope[:], diagonal[:], beside[:] = 0.0, 0.0, 0.0
+        slope[:] = 0.0
+        diagonal[:] = 0.0
+        beside[:] = 0.0
         for i in range(n):
             if not (free[i] or free[i + 1]):
                 continue
@@ -73,7 +81,9 @@ def newton(legs: FloatArray, headings: FloatArray, free: BoolArray) -> bool:
             beside[i] = d12
         for i in range(n + 1):
             if not free[i]:
-                slope[i], diagonal[i], beside[i] = 0.0, 1.0, 0.0
+                slope[i] = 0.0
+                diagonal[i] = 1.0
+                beside[i] = 0.0
                 if i > 0:
                     beside[i - 1] = 0.0
         # at a straight's free end the length is like a cubic at its minimum: a step goes halfway
@@ -105,7 +115,8 @@ def _on_arcs(headings: FloatArray, arc_ends: Sequence[FloatArray]) -> tuple[Floa
     The mask says which headings are not on an arc. A path beside an arc's end is there only because
     of rounding.
     """
-    moved, others = headings.copy(), np.ones(headings.size, np.bool_)
+    moved = headings.copy()
+    others = np.ones(headings.size, np.bool_)
     for i, ends in enumerate(arc_ends):
         for end in ends:
             away = math.remainder(headings[i] - end, TWO_PI)
@@ -136,12 +147,14 @@ def downhill(
         best: length of a route that is known.
         effort: where that is spent, the route is as short as it has come until then.
     """
-    smooth, gridded = headings.copy(), headings.copy()
+    smooth = headings.copy()
+    gridded = headings.copy()
     rests = newton(legs, smooth, free)
     smooth, _ = _on_arcs(smooth, arc_ends)
     if rests and (np.hypot(*legs.T) >= 4.0).all():  # nothing jumps: a grid finds nothing better
         return smooth
-    others, before = free, np.zeros(0, np.bool_)
+    others = free
+    before = np.zeros(0, np.bool_)
     while not np.array_equal(others, before):  # a heading on an arc stays there
         before = others
         shorten(legs, gridded, before, (width, _FINE), effort)

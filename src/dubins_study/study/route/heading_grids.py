@@ -24,7 +24,8 @@ from dubins_study.study.route.leg_words import principal
 _PI = math.pi
 _ALL = 48  # headings of the whole circle
 _FINER = 0.5  # of one grid's width to the next
-_STEP_BOXES, _SURVEY_BOXES = 3, 400  # boxes a leg that take as long as a step, or as a survey
+_STEP_BOXES = 3  # boxes a leg that take as long as a step
+_SURVEY_BOXES = 400  # boxes a leg that take as long as a survey
 _UNEQUAL = 0.1  # radii; if the costs of a point's headings differ by less, none is skipped
 _PAIRS_AT_ONCE = 100_000  # a few hundredths of a second between looks at the clock
 _CHAIN_NONE, _CHAIN_ARCS, _CHAIN_ALL = range(3)  # headings from which pairs of arcs are followed
@@ -70,7 +71,8 @@ def leg_table(
 
     Shape (first, last).
     """
-    lengths, words = np.full(live.shape, math.inf), np.zeros(live.shape, np.int8)
+    lengths = np.full(live.shape, math.inf)
+    words = np.zeros(live.shape, np.int8)
     for i in range(first.size):
         for j in range(last.size):
             if live[i, j]:
@@ -92,7 +94,9 @@ def _touching_headings(x: float, y: float, heading: float, back: bool, found: Fl
         found: written, shape (4,).
     """
     if back:  # a leg driven backwards is a leg too
-        x, y, heading = -x, -y, heading + _PI
+        x = -x
+        y = -y
+        heading = heading + _PI
     n = 0
     for turn in (1.0, -1.0):
         dx, dy = x + turn * math.sin(heading), y - turn * math.cos(heading)
@@ -116,7 +120,8 @@ def _arc_headings(x: float, y: float, end: bool, found: FloatArray) -> int:
     d = math.hypot(x, y)
     if d > 2.0:
         return 0
-    chord, short = math.atan2(y, x), math.asin(0.5 * d)
+    chord = math.atan2(y, x)
+    short = math.asin(0.5 * d)
     for k in range(4):
         half = short if k < 2 else _PI - short
         found[k] = chord + (half if (k % 2 == 0) == end else -half)
@@ -148,33 +153,39 @@ def _candidates(
     is one arc, or two arcs from one of the headings at the point before (after it, if `back`), so
     that a chain of edges is followed.
     """
-    n, reach = legs.shape[0], grid.reach * width
-    tried, sizes = np.empty((n + 1, grid.most)), np.empty(n + 1, np.int64)
-    found = np.empty(4)
+    n = legs.shape[0]
+    reach = grid.reach * width
+    candidates = np.empty((n + 1, grid.most))
+    sizes = np.empty(n + 1, np.int64)
+    edges = np.empty(4)
     for place in range(n + 1):
         i = n - place if back else place
-        some = tried[i]
-        some[0], size = headings[i], 1
+        some = candidates[i]
+        some[0] = headings[i]
+        size = 1
         if free[i]:
             for k in range(1, grid.side + 1):
-                some[size], some[size + 1] = headings[i] + k * width, headings[i] - k * width
+                some[size] = headings[i] + k * width
+                some[size + 1] = headings[i] - k * width
                 size += 2
             for leg in range(max(i - 1, 0), min(i + 1, n)):
-                m = _arc_headings(legs[leg, 0], legs[leg, 1], leg < i, found)
-                size = _add(some, size, found, m, reach)
+                m = _arc_headings(legs[leg, 0], legs[leg, 1], leg < i, edges)
+                size = _add(some, size, edges, m, reach)
             if place > 0 and grid.chained != _CHAIN_NONE:
                 leg, other = (i, i + 1) if back else (i - 1, i - 1)
                 arcs_alone = grid.chained == _CHAIN_ARCS and free[other]
                 for k in range(1 + 2 * grid.side if arcs_alone else 0, sizes[other]):
-                    m = _touching_headings(legs[leg, 0], legs[leg, 1], tried[other, k], back, found)
-                    size = _add(some, size, found, m, reach)
+                    m = _touching_headings(
+                        legs[leg, 0], legs[leg, 1], candidates[other, k], back, edges
+                    )
+                    size = _add(some, size, edges, m, reach)
         sizes[i] = size
-    return tried, sizes
+    return candidates, sizes
 
 
 @compiled
 def _chained(
-    legs: FloatArray, tried: FloatArray, sizes: IntArray, cost: FloatArray, before: IntArray
+    legs: FloatArray, candidates: FloatArray, sizes: IntArray, cost: FloatArray, before: IntArray
 ) -> FloatArray:
     """Least cost of chains extended over some legs.
 
@@ -186,18 +197,23 @@ def _chained(
         straight = math.hypot(x, y) * (1.0 - 1e-12) - 1e-9
         cheapest = np.argmin(cost[: sizes[i]])
         unequal = cost[: sizes[i]].max() - cost[cheapest] > _UNEQUAL
-        following, enough = np.full(cost.size, math.inf), math.inf
+        following = np.full(cost.size, math.inf)
+        enough = math.inf
         for k in range(sizes[i + 1]):
             if unequal:
-                enough = cost[cheapest] + shortest_leg(x, y, tried[i, cheapest], tried[i + 1, k])[0]
+                enough = (
+                    cost[cheapest]
+                    + shortest_leg(x, y, candidates[i, cheapest], candidates[i + 1, k])[0]
+                )
             for j in range(sizes[i]):
                 if cost[j] + straight > enough:
                     continue
-                length = shortest_leg(x, y, tried[i, j], tried[i + 1, k])[0]
+                length = shortest_leg(x, y, candidates[i, j], candidates[i + 1, k])[0]
                 # where lengths are equal nothing moves, so that the search comes to rest
                 total = cost[j] + length + (0.0 if j == 0 else 1e-14)
                 if total < following[k]:
-                    following[k], before[i, k] = total, j
+                    following[k] = total
+                    before[i, k] = j
         cost = following
     return cost
 
@@ -218,21 +234,22 @@ def _step(
     reached stay as they are.
     """
     n = len(legs)
-    tried, sizes = _candidates(legs, headings, free, width, back, grid)
-    cost, before = np.zeros(grid.most), np.empty((n, grid.most), np.int64)
+    candidates, sizes = _candidates(legs, headings, free, width, back, grid)
+    cost = np.zeros(grid.most)
+    before = np.empty((n, grid.most), np.int64)
     legs_at_once = 1 + _PAIRS_AT_ONCE // grid.most**2
-    done = 0
-    while done < n and not effort.late:
-        end = min(done + legs_at_once, n)
-        part = slice(done, end)
-        points = slice(done, end + 1)
-        cost = _chained(legs[part], tried[points], sizes[points], cost, before[part])
-        done = end
-    k = int(np.argmin(cost[: sizes[n]])) if done == n else 0
+    legs_done = 0
+    while legs_done < n and not effort.late:
+        end = min(legs_done + legs_at_once, n)
+        part = slice(legs_done, end)
+        points = slice(legs_done, end + 1)
+        cost = _chained(legs[part], candidates[points], sizes[points], cost, before[part])
+        legs_done = end
+    k = int(np.argmin(cost[: sizes[n]])) if legs_done == n else 0
     moved = False
-    for i in range(done, -1, -1):
+    for i in range(legs_done, -1, -1):
         moved |= k != 0
-        headings[i] = tried[i, k]
+        headings[i] = candidates[i, k]
         if i > 0:
             k = before[i - 1, k]
     return moved

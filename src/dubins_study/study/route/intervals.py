@@ -70,7 +70,7 @@ def first_intervals(
         given: headings at the points, n + 1; None for those that are free.
     """
     known = [[] if heading is None else [math.remainder(heading, TWO_PI)] for heading in given]
-    arcs = [arc for step in (1, -1) for arc in _arcs(legs, given, known, step)]
+    arcs = [*_arcs(legs, given, known, step=1), *_arcs(legs, given, known, step=-1)]
     intervals = []
     for heading, headings in zip(given, known, strict=True):
         if heading is None:
@@ -119,4 +119,5 @@ def _arcs(
                 away.append(0.0)
             others = [k for k, off in enumerate(away) if off <= _ONE_HEADING]
             half = bits[2] if abs(square - 4.0) <= _ON_CIRCLE else 0
-            yield _Arc((here, there), place, others, (bits[0] if left else bits[1]) + half)
+            side_bit = bits[0] if left else bits[1]
+            yield _Arc((here, there), place, others, apart=side_bit + half)

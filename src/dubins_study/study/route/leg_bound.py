@@ -31,21 +31,25 @@ def box_bound(box: Box) -> tuple[float, int]:
 
     It bounds the length with the potential. The word is the one that gives the bound.
     """
-    best, word = math.inf, NO_WORD
+    best = math.inf
+    word = NO_WORD
     near = box.x * box.x + box.y * box.y < 16.0 + 1e-12
     for image in range(2):
         if image == 1:
             box = mirrored(box)
         value = csc_bound(box, 1.0, best)
         if value < best:
-            best, word = value, image
+            best = value
+            word = image
         value = csc_bound(box, -1.0, best)
         if value < best:
-            best, word = value, 2 + image
+            best = value
+            word = 2 + image
         if near:
             value = lrl_bound(box)
             if value < best:
-                best, word = value, 5 - image
+                best = value
+                word = 5 - image
     return best, word
 
 
@@ -81,7 +85,8 @@ def bound_leg(
     """
     for i in range(live.shape[0]):
         for j in range(live.shape[1]):
-            bounds[i, j], words[i, j] = math.inf, NO_WORD
+            bounds[i, j] = math.inf
+            words[i, j] = NO_WORD
             if live[i, j]:
                 box = _box(leg, first, last, i, j, live[i, j])
                 bounds[i, j], words[i, j] = box_bound(box)
@@ -128,7 +133,8 @@ def _slope_across(
     if word == 2 or word == 3:
         turn = s1 if m < 2.0 + 2.0 * reach else 0.0
     elif word >= 4 and m < 4.0:
-        psi, axis = _PI - math.asin(0.25 * m), math.atan2(dy, dx)
+        psi = _PI - math.asin(0.25 * m)
+        axis = math.atan2(dy, dx)
         a, c = principal(psi + s1 * (axis - t1)), principal(psi + s1 * (t2 - axis))
         turn = -s1 if abs(a) < 2.0 * reach else s1 if abs(c) < 2.0 * reach else 0.0
     d1, d2 = _word_slopes(x, y, t1, t2, word)
@@ -168,10 +174,13 @@ def slopes_across(
         words: of pairs of intervals, shape (intervals at the start, intervals at the end).
         mates: for each interval the one at the other end, of which `slopes` are known.
     """
-    across, kinds = np.empty(mates.size), np.empty(mates.size, np.int8)
+    across = np.empty(mates.size)
+    kinds = np.empty(mates.size, np.int8)
     for m in range(mates.size):
         i, j = (mates[m], m) if forward else (m, mates[m])
-        c1, c2, reach = first[0][i], last[0][j], first[1][i] + last[1][j]
+        c1 = first[0][i]
+        c2 = last[0][j]
+        reach = first[1][i] + last[1][j]
         across[m], kinds[m] = _slope_across(
             *(leg[0], leg[1], c1, c2, reach, words[i, j], slopes[mates[m]], forward)
         )
@@ -196,18 +205,19 @@ def potential_slopes(
     `everywhere`, the slope is the best route's (NaN: unknown).
     """
     middle, half, slope = interval
-    (rise, by_left), (fall, by_right) = before, after
+    rise, by_left = before
+    fall, by_right = after
     chosen = np.empty(middle.size)
     for j in range(middle.size):
-        asked = fall[j] if by_right[j] > by_left[j] else rise[j]
+        aim = fall[j] if by_right[j] > by_left[j] else rise[j]
         if by_left[j] == BY_WORD and by_right[j] == BY_WORD:
-            asked = 0.5 * (rise[j] + fall[j])
+            aim = 0.5 * (rise[j] + fall[j])
         if not math.isnan(best) and (
             everywhere or abs(principal(middle[j] - heading)) <= 4.0 * half[j]
         ):
-            asked = best
-        asked = slope[j] if math.isnan(asked) else asked
-        chosen[j] = min(max(asked, -_STEEPEST), _STEEPEST)
+            aim = best
+        aim = slope[j] if math.isnan(aim) else aim
+        chosen[j] = min(max(aim, -_STEEPEST), _STEEPEST)
     return chosen
 
 

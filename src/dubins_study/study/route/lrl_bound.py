@@ -61,7 +61,8 @@ def _triangle_bound(
         rest -= 2.0 * rho * steep * (turned * turned + spread * spread)
     edge = psis[1] + turned
     nu = Costate(rho, axis - tilt + _PI, mu1, mu2)
-    within1, within2 = (-edge - tilt, edge - tilt), (-edge + tilt, edge + tilt)
+    within1 = (-edge - tilt, edge - tilt)
+    within2 = (-edge + tilt, edge + tilt)
     value, _, _ = separated(box, 1.0, nu, within1, within2, -math.inf)
     return value + rest
 
@@ -112,7 +113,8 @@ def lrl_bound(box: Box) -> float:
         _PI - math.asin(min(1.0, 0.25 * circles.farthest)) - SLACK,
         _PI - math.asin(0.25 * circles.nearest) + SLACK,
     )
-    axis, turned = math.atan2(circles.dy, circles.dx), circles.turned
+    axis = math.atan2(circles.dy, circles.dx)
+    turned = circles.turned
     rho = min(LONGEST_COSTATE, 1.0 / max(1e-3, -math.cos(0.5 * (psis[0] + psis[1]))))
     best = _triangle_bound(box, axis, psis, turned, rho, 0.0, 0.0, 0.0)
     best = max(best, 4.0 * psis[0] + turning_bound(box, -2.0 * psis[1]))
@@ -125,7 +127,8 @@ def lrl_bound(box: Box) -> float:
     psi = 0.5 * (psis[0] + psis[1])
     u, v = axis - box.c1, box.c2 - axis
     near = 2.0 * (box.h1 + box.h2 + turned)
-    short1, short2 = abs(principal(psi + u)) < near, abs(principal(psi + v)) < near
+    short1 = abs(principal(psi + u)) < near
+    short2 = abs(principal(psi + v)) < near
     # flat in the first heading if rate11 mu1 + rate12 mu2 = rise1, in the last likewise
     c, s = -4.0 * math.cos(psi), 4.0 * math.sin(psi)
     rise1, rate11, rate12 = _rates(u, box.slope1, c, s)

@@ -48,8 +48,8 @@ _EAGER = 6  # rounds; up to this one every round has descents
 _MOST_ROUNDS = 15  # rounds of descents from a loop
 _AT_LEAST = 4  # descents a round, each from another point
 _HOPELESS = 1.5  # times the best route's length: chains this long are not worth a descent
-# times the cutoff, where there is one, and rounds from one descent to the next
-_PROMISING, _SELDOM = 1.02, 3
+_PROMISING = 1.02  # times the cutoff, where there is one
+_SELDOM = 3  # rounds from one descent to the next, where there is a cutoff
 _SOON = 0.5  # of the gap: intervals whose bounds are nearer to the best route's length wait
 _BOTH = 0.5  # weight of the gain by halving both ends of a leg, against that by halving one
 _PAIRS_AT_ONCE = 50_000  # about a tenth of a second between looks at the clock
@@ -117,17 +117,26 @@ def search(
     compile_loops()
     places = np.asarray(points, np.float64)
     between = [None] * (len(places) - 2) if via_headings is None else via_headings
-    given = [first, *between, last]
-    places_given = [i for i, heading in enumerate(given) if heading is not None]
-    asked = Effort(boxes, limit), tolerance, cutoff
+    headings = [first, *between, last]
+    places_given = [i for i, heading in enumerate(headings) if heading is not None]
+    effort = Effort(boxes=boxes, seconds=limit)
     if not closed or not places_given:
-        return _Search(places, given, *asked, cyclic=closed, known=known).run()
+        state = _Search(
+            places,
+            headings,
+            effort,
+            tolerance=tolerance,
+            cutoff=cutoff,
+            cyclic=closed,
+            known=known,
+        )
+        return state.run()
     # a loop may begin anywhere: where a heading is given it is a route to that heading
     begin = places_given[0]
     around = np.vstack([_rolled(places, begin), places[begin]])
-    headings = [*given[begin:-1], *given[:begin], given[begin]]
-    found = _Search(around, headings, *asked).run()
-    return found.begun_at(len(found.words) - begin)
+    headings_around = [*headings[begin:-1], *headings[:begin], headings[begin]]
+    route = _Search(around, headings_around, effort, tolerance=tolerance, cutoff=cutoff).run()
+    return route.begun_at(len(route.words) - begin)
 
 
 def _rolled(around: FloatArray, begin: int) -> FloatArray:
@@ -179,8 +188,11 @@ class _Chains:
     def __init__(
         self, costs: list[FloatArray], words: list[WordArray], cyclic: bool = False
     ) -> None:
-        self.costs, self.words = costs, words
-        legs, first, last = len(costs), costs[0].shape[0], costs[-1].shape[1]
+        self.costs = costs
+        self.words = words
+        legs = len(costs)
+        first = costs[0].shape[0]
+        last = costs[-1].shape[1]
         alone = np.where(np.eye(first), 0.0, math.inf)
         self.ahead = [alone if cyclic else np.zeros((1, first))]
         self.behind = [alone if cyclic else np.zeros((1, last))]
@@ -229,7 +241,8 @@ class _Chains:
 
     def largest(self, values: list[FloatArray]) -> list[FloatArray]:
         """Largest value on each interval's best chain."""
-        ahead, behind = [values[0]], [values[-1]]
+        ahead = [values[0]]
+        behind = [values[-1]]
         for i, before in enumerate(self.before):
             ahead.append(np.maximum(values[i + 1], ahead[-1][before]))
         for i in range(len(self.costs) - 1, -1, -1):
@@ -253,8 +266,10 @@ class _Search:
         cyclic: bool = False,
         known: FloatArray | None = None,
     ) -> None:
-        self.effort, self.tolerance = effort, tolerance
-        self.cutoff, self.cyclic = cutoff, cyclic
+        self.effort = effort
+        self.tolerance = tolerance
+        self.cutoff = cutoff
+        self.cyclic = cyclic
         self.legs = np.ascontiguousarray(np.diff(np.asarray(points, np.float64), axis=0))
         self.n = len(self.legs)
         self.headings = first_route(self.legs, given, effort) if known is None else known.copy()
@@ -270,9 +285,10 @@ class _Search:
         self.slopes: FloatArray | None = None  # of the potential, at the best route
         # no path is shorter than the legs' straight lines; each is rounded, and so is their sum
         straight = float(np.hypot(self.legs[:, 0], self.legs[:, 1]).sum())
-        self.low, self.discarded = straight * (1.0 - (self.n + 4) * EPS), math.inf
+        self.low = straight * (1.0 - (self.n + 4) * EPS)
+        self.discarded = math.inf
         self.rounds = 0
-        self.tried: set[tuple[int, ...]] = set()
+        self.descended: set[tuple[int, ...]] = set()
 
     def run(self) -> Route:
         """Search until the gap is closed.
@@ -342,7 +358,8 @@ class _Search:
 
     def _bound(self) -> _Chains:
         """Bounds of all live pairs of intervals."""
-        bounds, words = [], []
+        bounds = []
+        words = []
         for leg, live, (a, b) in zip(self.legs, self.live, pairwise(self.intervals), strict=True):
             bounds.append(np.empty(live.shape))
             words.append(np.empty(live.shape, np.int8))
@@ -373,9 +390,9 @@ class _Search:
         The descent starts at the middles of its intervals.
         """
         route, words = chains.cheapest()
-        if words in self.tried or not self.worth(chains):
+        if words in self.descended or not self.worth(chains):
             return
-        self.tried.add(words)
+        self.descended.add(words)
         middles = [interval.middle[j] for interval, j in zip(self.intervals, route, strict=True)]
         width = max(float(interval.half.max()) for interval in self.intervals)
         self._descend(np.array(middles), 0.2 * width)
@@ -392,13 +409,21 @@ class _Search:
     def _descend(self, start: FloatArray, width: float) -> None:
         """Go downhill from a route; keep the best."""
         headings = downhill(
-            self.legs, start, self.varied, self.arc_ends, width, self.length, self.effort
+            self.legs,
+            start,
+            self.varied,
+            self.arc_ends,
+            width=width,
+            best=self.length,
+            effort=self.effort,
         )
         if self.cyclic:
             headings = self._descend_around(headings, width)
         length = route_length(self.legs, headings)
         if length < self.length:
-            self.length, self.headings, self.slopes = length, headings, None
+            self.length = length
+            self.headings = headings
+            self.slopes = None
 
     def _descend_around(self, headings: FloatArray, width: float) -> FloatArray:
         """Go downhill from a loop while it gets shorter.
@@ -407,21 +432,30 @@ class _Search:
         """
         # about half of the loop, so that every point comes to be the first
         step = next(k for k in range(self.n // 2, self.n + 1) if math.gcd(k, self.n) == 1)
-        legs, begin, length = self.legs, 0, math.inf
+        legs = self.legs
+        begin = 0
+        length = math.inf
         for _ in range(_MOST_ROUNDS):
             for _ in range(min(self.n, _AT_LEAST)):
                 begin = (begin + step) % self.n
                 legs = np.ascontiguousarray(np.roll(legs, -step, axis=0))
-                own = _rolled(headings, step)
-                closed = np.append(own, own[0])
+                rolled = _rolled(headings, step)
+                closed = np.append(rolled, rolled[0])
                 headings = downhill(
-                    legs, closed, self.varied, self.arc_ends, width, self.length, self.effort
+                    legs,
+                    closed,
+                    self.varied,
+                    self.arc_ends,
+                    width=width,
+                    best=self.length,
+                    effort=self.effort,
                 )
-            before, length = length, route_length(legs, headings)
+            before = length
+            length = route_length(legs, headings)
             if length > before * (1.0 - EPS):
                 break
-        own = _rolled(headings, self.n - begin)
-        return np.append(own, own[0])
+        rolled = _rolled(headings, self.n - begin)
+        return np.append(rolled, rolled[0])
 
     def _slopes_at(self, headings: FloatArray) -> FloatArray:
         """Slopes of the potential at a route's points.
@@ -434,13 +468,13 @@ class _Search:
         ]
         words = list(route_words(self.legs, headings)[0][:, None, None])
         only = [np.zeros(1, np.intp)] * self.n
-        before = self._asked(points, words, only, True)
-        after = self._asked(points, words, only, False)
+        before = self._leg_slopes(points, words, only, forward=True)
+        after = self._leg_slopes(points, words, only, forward=False)
         if self.cyclic:
             before[0], after[-1] = before[-1], after[0]
         slopes = [
-            potential_slopes(*each, math.nan, math.nan, False)
-            for each in zip(points, before, after, strict=True)
+            potential_slopes(point, rise, fall, math.nan, math.nan, False)
+            for point, rise, fall in zip(points, before, after, strict=True)
         ]
         return np.concatenate(slopes)
 
@@ -452,28 +486,32 @@ class _Search:
         threshold = self.high * (1.0 - 0.5 * self.tolerance)
         self.discarded = min(self.discarded, threshold)
         margin = 1.0 - (2 * self.n + 4) * EPS
-        kept = [through * margin <= threshold for through in chains.through]
-        if not all(some.any() for some in kept):
+        possible = [through * margin <= threshold for through in chains.through]
+        if not all(some.any() for some in possible):
             self.low = max(self.low, min(self.discarded, self.high))
             return False
         soon = self.low + _SOON * (threshold - self.low)
-        wanted = [
+        promising = [
             (through <= soon) & free
             for through, free in zip(chains.through, self.free, strict=True)
         ]
-        gains = self._gains(chains, wanted)
+        gains = self._gains(chains, promising)
         most = chains.largest(gains)
-        aimed, self.intervals, parents = self._aimed(chains), [], []
+        aimed = self._aimed(chains)
+        self.intervals = []
+        parents = []
         for i, interval in enumerate(aimed):
-            split = wanted[i] & (gains[i] >= 0.25 * most[i]) & (interval.half > _NARROWEST)
-            whole, halved = np.flatnonzero(kept[i] & ~split), np.flatnonzero(kept[i] & split)
+            split = promising[i] & (gains[i] >= 0.25 * most[i]) & (interval.half > _NARROWEST)
+            whole = np.flatnonzero(possible[i] & ~split)
+            halved = np.flatnonzero(possible[i] & split)
             parents.append(np.concatenate([whole, halved, halved]))
             side = np.repeat([0.0, -0.5, 0.5], [whole.size, halved.size, halved.size])
             middle, half, slope = (column[parents[i]] for column in interval)
             halves = np.where(side == 0.0, half, 0.5 * half + OVERLAP)
             self.intervals.append(Intervals(middle + side * half, halves, slope))
         if self.cyclic:
-            parents[-1], self.intervals[-1] = parents[0], self.intervals[0]
+            parents[-1] = parents[0]
+            self.intervals[-1] = self.intervals[0]
         for i in range(self.n):
             alive = chains.through_pairs(i) * margin <= threshold
             live = np.where(alive, self.live[i], 0)
@@ -489,8 +527,8 @@ class _Search:
         """
         if self.slopes is None:
             self.slopes = self._slopes_at(self.headings)
-        before = self._asked(self.intervals, chains.words, chains.before, True)
-        after = self._asked(self.intervals, chains.words, chains.after, False)
+        before = self._leg_slopes(self.intervals, chains.words, chains.before, forward=True)
+        after = self._leg_slopes(self.intervals, chains.words, chains.after, forward=False)
         if self.cyclic:
             before[0], after[-1] = before[-1], after[0]
         aimed = []
@@ -499,12 +537,18 @@ class _Search:
             if i in (0, self.n) and not self.cyclic:
                 slope = np.zeros(interval.slope.size)
             else:
-                best = self.headings[i], self.slopes[i], self.rounds == 0
-                slope = potential_slopes(interval, before[i], after[i], *best)
+                slope = potential_slopes(
+                    interval,
+                    before[i],
+                    after[i],
+                    self.headings[i],
+                    self.slopes[i],
+                    self.rounds == 0,
+                )
             aimed.append(interval._replace(slope=slope))
         return aimed
 
-    def _asked(
+    def _leg_slopes(
         self,
         intervals: list[Intervals],
         words: list[WordArray],
@@ -518,17 +562,19 @@ class _Search:
         end = 0 if forward else self.n
         size = intervals[end].middle.size
         ends_anyhow = self.free[end] and not self.cyclic
-        slope = np.full(size, 0.0 if ends_anyhow else math.nan)
-        asked = [(slope, np.full(size, BY_WORD if ends_anyhow else UNKNOWN, np.int8))]
+        slope = 0.0 if ends_anyhow else math.nan
+        source = BY_WORD if ends_anyhow else UNKNOWN
+        slopes = [(np.full(size, slope), np.full(size, source, np.int8))]
         for i in range(self.n) if forward else range(self.n - 1, -1, -1):
             self.effort.look_at_the_clock()
             ends = intervals[i], intervals[i + 1]
-            asked.append(
-                slopes_across(self.legs[i], *ends, words[i], mates[i], asked[-1][0], forward)
+            known_slopes, _ = slopes[-1]
+            slopes.append(
+                slopes_across(self.legs[i], *ends, words[i], mates[i], known_slopes, forward)
             )
-        return asked if forward else asked[::-1]
+        return slopes if forward else slopes[::-1]
 
-    def _gains(self, chains: _Chains, wanted: list[BoolArray]) -> list[FloatArray]:
+    def _gains(self, chains: _Chains, promising: list[BoolArray]) -> list[FloatArray]:
         """Gains of the bound from halving each interval.
 
         The bound is that along the best chain through the interval.
@@ -536,12 +582,22 @@ class _Search:
         gains = []
         for i, interval in enumerate(self.intervals):
             self.effort.look_at_the_clock()
-            halves, both = np.zeros((2, interval.half.size)), np.zeros(interval.half.size)
+            halves = np.zeros((2, interval.half.size))
+            both = np.zeros(interval.half.size)
             for leg, mates in ((i - 1, chains.before), (i, chains.after)):
                 if 0 <= leg < self.n:
                     ends = self.intervals[leg], self.intervals[leg + 1]
-                    pairs = self.live[leg], chains.costs[leg], mates[leg]
-                    add_gains(self.legs[leg], *ends, *pairs, wanted[i], leg < i, halves, both)
+                    add_gains(
+                        self.legs[leg],
+                        *ends,
+                        self.live[leg],
+                        chains.costs[leg],
+                        mates[leg],
+                        promising[i],
+                        leg < i,
+                        halves,
+                        both,
+                    )
             # halves of this interval alone may gain nothing where halves of both ends do
             gain = np.clip(halves.min(0), 0.0, 1.0) + _BOTH * both
             gains.append((gain + 1e-3 * interval.half**2) * self.free[i])

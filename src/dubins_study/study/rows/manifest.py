@@ -199,7 +199,9 @@ def read_manifest(folder: FilePath, *, printable: bool = False) -> Manifest:
         text = file.read_bytes()
     try:
         content = json.loads(text)  # accepts texts that are not Unicode, such as file names
-        return Manifest.model_validate(printable_values(content) if printable else content)
+        if printable:
+            content = printable_values(content)
+        return Manifest.model_validate(content)
     except (ValueError, RecursionError) as error:
         raise ResultsError(
             f"{file} cannot be read: {_what(error)}; bring back a whole copy, or run the "

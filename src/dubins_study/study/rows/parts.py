@@ -113,7 +113,7 @@ def folder_paths(folders: Any) -> list[FilePath]:
     """Paths of one results folder or of several."""
     several = isinstance(folders, Iterable) and not isinstance(folders, str)
     try:
-        return list(map(FilePath, folders if several else [folders]))
+        return [FilePath(folder) for folder in folders] if several else [FilePath(folders)]
     except TypeError:
         expected = "expected the path of a results folder"
         raise ResultsError(f"folder is {short(folders)}; {expected}") from None
@@ -137,16 +137,17 @@ def read_batches(file: FilePath, columns: Sequence[str] | None = None) -> Iterat
         DamagedPartError: if the file was cut off or changed.
         ResultsError: if it is of another schema, or cannot be read.
     """
-    wanted = _empty(columns)
+    empty = _empty(columns)
     with _reading(file), pq.ParquetFile(file, page_checksum_verification=True) as content:
         _check_schema(file, content)
-        stored = [name for name in wanted.column_names if name in content.schema_arrow.names]
-        expected, rows = content.metadata.num_rows, 0
+        stored = [name for name in empty.column_names if name in content.schema_arrow.names]
+        expected = content.metadata.num_rows
+        rows = 0
         threads = expected > _SMALL_PART_ROWS
         for batch in content.iter_batches(BATCH_ROWS, columns=stored, use_threads=threads):
             batch.validate(full=True)  # nothing else notices texts that are not UTF-8
             rows += len(batch)
-            yield _as_stated(pa.Table.from_batches([batch]), wanted.schema)
+            yield _as_stated(pa.Table.from_batches([batch]), empty.schema)
         if rows != expected:  # no checksum covers the number of rows
             raise _damaged(file, f"it holds {rows} rows and says {expected}")
 

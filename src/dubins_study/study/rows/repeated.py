@@ -27,9 +27,9 @@ def compare_attempts(rows: pd.DataFrame, cell: Sequence[str]) -> tuple[IntArray,
         attempt. It has the attempt's columns, and the kept attempt's with the suffix `_kept`; the
         cell's columns stand once.
     """
-    kept = ~rows.duplicated(list(cell)).to_numpy()
-    pairs = rows[~kept].merge(rows[kept], on=list(cell), suffixes=("", "_kept"))
-    return np.flatnonzero(kept), pairs
+    is_first = ~rows.duplicated(list(cell)).to_numpy()
+    pairs = rows[~is_first].merge(rows[is_first], on=list(cell), suffixes=("", "_kept"))
+    return np.flatnonzero(is_first), pairs
 
 
 def differences(pairs: pd.DataFrame, tolerance: float) -> pd.DataFrame:

@@ -66,15 +66,15 @@ def memories_after(near: IntArray) -> IntArray:
     for here in range(n):
         for memory in range(1, 1 << size, 2):
             for there in range(n):
-                known = False
+                remembered = False
                 following = 1
                 for k in range(size):
                     if memory >> k & 1:
-                        known |= near[here, k] == there
+                        remembered |= near[here, k] == there
                         for slot in range(1, size):
                             if near[there, slot] == near[here, k]:
                                 following |= 1 << slot
-                if not known:
+                if not remembered:
                     after[here, memory, there] = following
     return after
 
@@ -95,7 +95,8 @@ def first_chains(
     Returns:
         Shape (points, memories, intervals): of chains of k + 1 points that end in an interval.
     """
-    n, memories = after.shape[0], after.shape[1]
+    n = after.shape[0]
+    memories = after.shape[1]
     costs = np.full((n, memories, starts.size), math.inf)
     for i in range(n):
         for p in range(begin[i], begin[i + 1]):
@@ -148,7 +149,8 @@ def extend_chains(
         after: `memories_after`.
         prices: shape (points,).
     """
-    n, memories = after.shape[0], after.shape[1]
+    n = after.shape[0]
+    memories = after.shape[1]
     for here in range(n):
         first, end = begin[here], begin[here + 1]
         _leave_out_dearer(costs[k], first, end)
@@ -181,27 +183,37 @@ def cheapest_chain(
 
     `costs` are those of `first_chains`, extended by `extend_chains`.
     """
-    n, memories = after.shape[0], after.shape[1]
+    n = after.shape[0]
+    memories = after.shape[1]
     owner = np.empty(ends.size, np.int64)
     for i in range(n):
         owner[begin[i] : begin[i + 1]] = i
-    least, memory, place = math.inf, 1, 0
+    least = math.inf
+    memory = 1
+    place = 0
     for m in range(1, memories, 2):
         for p in range(ends.size):
             total = costs[n - 1, m, p] + ends[p]
             if total < least:
-                least, memory, place = total, m, p
+                least = total
+                memory = m
+                place = p
     chain = np.empty(n, np.int64)
     for k in range(n - 1, -1, -1):
         chain[k] = owner[place]
-        least, found, before = math.inf, 1, 0
+        least = math.inf
+        memory_before = 1
+        place_before = 0
         for p in range(ends.size):
             for m in range(1, memories, 2):
                 if k > 0 and after[owner[p], m, owner[place]] == memory:
                     total = costs[k - 1, m, p] + bounds[p, place]
                     if total < least:
-                        least, found, before = total, m, p
-        memory, place = found, before
+                        least = total
+                        memory_before = m
+                        place_before = p
+        memory = memory_before
+        place = place_before
     return chain
 
 
@@ -237,12 +249,14 @@ def extended(
         sets, lasts: shape (states,).
         costs: shape (states, most intervals of a point).
     """
-    n, most = begin.size - 1, costs.shape[1]
+    n = begin.size - 1
+    most = costs.shape[1]
     room = 0
     for state in range(sets.size):
         for there in range(n):
             room += 1 - (sets[state] >> there & 1)
-    new_sets, new_lasts = np.empty(room, np.int64), np.empty(room, np.int64)
+    new_sets = np.empty(room, np.int64)
+    new_lasts = np.empty(room, np.int64)
     new_costs = np.full((room, most), math.inf)
     count = 0
     for state in range(sets.size):
@@ -281,7 +295,7 @@ def leave_out(
         to_go: costs of chains backwards, for all points that are left and the last one.
         remembered: the points of each memory, shape (points, memories).
     """
-    kept = np.zeros(sets.size, np.bool_)
+    within = np.zeros(sets.size, np.bool_)
     for state in range(sets.size):
         here = lasts[state]
         paid = prices[here]
@@ -294,7 +308,7 @@ def leave_out(
                 if remembered[here, memory] & sets[state] == 1 << here:
                     least = min(least, to_go[memory, begin[here] + place])
             if costs[state, place] + least + paid <= cutoff:
-                kept[state] = True
+                within[state] = True
             else:
                 costs[state, place] = math.inf
-    return kept
+    return within

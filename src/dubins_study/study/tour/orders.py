@@ -52,7 +52,7 @@ def orders_within(
     levels = _states(legs, to_go, cutoff, effort)
     if levels is None:
         return None
-    found: dict[tuple[int, ...], float] = {}
+    orders: dict[tuple[int, ...], float] = {}
     begin = legs.begin
     n = begin.size - 1
     # from the end: a set of points, the last of them, the points after it, costs from it on
@@ -61,8 +61,8 @@ def orders_within(
         (every, i, (), legs.ends[begin[i] : begin[i + 1]]) for i in range(n)
     ]
     while open_ends:
-        left, here, rest, to_end = open_ends.pop()
-        costs = levels[left.bit_count() - 1].get((left, here))
+        passed, here, rest, to_end = open_ends.pop()
+        costs = levels[passed.bit_count() - 1].get((passed, here))
         if costs is None:
             continue
         least = float((costs[: to_end.size] + to_end).min())
@@ -70,17 +70,17 @@ def orders_within(
             continue
         order = (here, *rest)
         if len(order) == n:
-            found[order] = least
-            if len(found) > _MOST_ORDERS:
+            orders[order] = least
+            if len(orders) > _MOST_ORDERS:
                 return None
             continue
-        others = left ^ (1 << here)
+        others = passed ^ (1 << here)
         ends = slice(begin[here], begin[here + 1])
         for before in range(n):
             if others >> before & 1:
                 way = legs.bounds[begin[before] : begin[before + 1], ends]
                 open_ends.append((others, before, order, (way + to_end).min(axis=1)))
-    return found
+    return orders
 
 
 def _states(legs: Legs, to_go: ToGo, cutoff: float, effort: Effort) -> _Levels | None:
@@ -100,14 +100,17 @@ def _states(legs: Legs, to_go: ToGo, cutoff: float, effort: Effort) -> _Levels |
     levels = []
     for k in range(n):
         ahead = to_go.costs[n - 1 - k]
-        kept = leave_out(sets, lasts, costs, ahead, remembered, begin, to_go.prices, cutoff)
-        sets, lasts, costs = sets[kept], lasts[kept], costs[kept]
+        within = leave_out(sets, lasts, costs, ahead, remembered, begin, to_go.prices, cutoff)
+        sets = sets[within]
+        lasts = lasts[within]
+        costs = costs[within]
         if sets.size * n > _MOST_STATES:
             return None
         keys = zip(sets.tolist(), lasts.tolist(), strict=True)
         levels.append(dict(zip(keys, costs, strict=True)))
         effort.spend_or_end(sets.size * n * most**2 * CHAIN_BOXES)
-        sets, lasts, costs = _united(*extended(sets, lasts, costs, legs.bounds, begin))
+        sets, lasts, costs = extended(sets, lasts, costs, legs.bounds, begin)
+        sets, lasts, costs = _united(sets, lasts, costs)
     return levels
 
 
@@ -132,7 +135,8 @@ def _united(
     if not sets.size:
         return sets, lasts, costs
     order = np.lexsort((lasts, sets))
-    sets, lasts = sets[order], lasts[order]
+    sets = sets[order]
+    lasts = lasts[order]
     new = np.append(True, (np.diff(sets) != 0) | (np.diff(lasts) != 0))
     begins = np.flatnonzero(new)
     return sets[begins], lasts[begins], np.minimum.reduceat(costs[order], begins)

@@ -48,9 +48,12 @@ _LOG = logging.getLogger(__name__)
 # Most points, first intervals at each, and number of near points, itself included, that a chain
 # remembers. With more points the result is a good tour, and the least tree as a bound.
 _SIZES = ((12, 16, 5), (40, 16, 7), (62, 8, 6), (100, 8, 4))
-_ROUNDS, _LATER_ROUNDS = 40, 16  # of prices: at first, and where they are good
-_STEP, _LATER_STEP = 1.0, 0.5  # of prices: a share of Polyak's
-_SHRINK, _PATIENCE = 0.6, 3  # factor of the step, after this many rounds without a better bound
+_ROUNDS = 40  # of prices, at first
+_LATER_ROUNDS = 16  # of prices, where they are good
+_STEP = 1.0  # of prices, at first: a share of Polyak's
+_LATER_STEP = 0.5
+_SHRINK = 0.6  # factor of the step after `_PATIENCE` rounds
+_PATIENCE = 3  # rounds without a better bound
 _LEAST_STEP = 0.02
 _SOON = 1.0  # of the gap: intervals whose chains are nearer to the best tour's length wait
 _ALL_ORDERS = 4  # points up to which every order is searched
@@ -97,18 +100,19 @@ def search_tour(
         seed: of the orders that the first tour begins with.
     """
     compile_tour_loops()
-    known = [i for i, heading in enumerate(stops.headings) if heading is not None]
-    if not stops.closed or not known:
-        found = _TourSearch(stops, Effort(boxes, limit), tolerance, seed).run()
-        return _backwards(found) if stops.closed and found.order[0] > found.order[-1] else found
-    place = known[0]
-    found = _TourSearch(stops.begun_at(place), Effort(boxes, limit), tolerance, seed).run()
+    effort = Effort(boxes=boxes, seconds=limit)
+    fixed = [i for i, heading in enumerate(stops.headings) if heading is not None]
+    if not stops.closed or not fixed:
+        tour = _TourSearch(stops, effort, tolerance=tolerance, seed=seed).run()
+        return _backwards(tour) if stops.closed and tour.order[0] > tour.order[-1] else tour
+    place = fixed[0]
+    tour = _TourSearch(stops.begun_at(place), effort, tolerance=tolerance, seed=seed).run()
     # points of that search: the old start, then the old points except the one that it began at
     points = [i for i in range(len(stops.points)) if i != place]
-    began = found.order.index(0)
-    order = [points[i - 1] for i in found.order[began + 1 :]] + [place]
-    order += [points[i - 1] for i in found.order[:began]]
-    return found._replace(order=tuple(order), route=found.route.begun_at(began + 1))
+    began = tour.order.index(0)
+    order = [points[i - 1] for i in tour.order[began + 1 :]] + [place]
+    order += [points[i - 1] for i in tour.order[:began]]
+    return tour._replace(order=tuple(order), route=tour.route.begun_at(began + 1))
 
 
 def _backwards(loop: Tour) -> Tour:
@@ -146,7 +150,9 @@ class _TourSearch:
     """
 
     def __init__(self, stops: Stops, effort: Effort, tolerance: float, seed: int) -> None:
-        self.stops, self.effort, self.tolerance = stops, effort, tolerance
+        self.stops = stops
+        self.effort = effort
+        self.tolerance = tolerance
         self.random = np.random.default_rng(seed)
         self.n = len(stops.points)
         self.order: tuple[int, ...] = tuple(range(self.n))
@@ -236,12 +242,14 @@ class _TourSearch:
         for place in np.flatnonzero(np.sin(starts.middle) > 0.0):
             part = copy(self)
             part.around = Intervals(*(column[[place]] for column in starts))
-            part.live, part.bounds = self.live.copy(), self.bounds.copy()
+            part.live = self.live.copy()
+            part.bounds = self.bounds.copy()
             try:
                 while not part.closed and part._level():
                     pass
             finally:
-                self.best, self.order = part.best, part.order
+                self.best = part.best
+                self.order = part.order
             lows.append(part.low)
         self.low = max(self.low, min(*lows, self.high))
 
@@ -251,23 +259,26 @@ class _TourSearch:
         It becomes the best if it is shorter than the cutoff.
         """
         points, headings = self.stops.route(order)
-        left = self.effort.seconds - (perf_counter() - self.effort.began)
-        found = search(
+        seconds_left = self.effort.seconds - (perf_counter() - self.effort.began)
+        boxes = _QUICK * (self.n + 1) if quick else self.effort.boxes - self.effort.spent
+        known = self.best.headings if self.best is not None and order == self.order else None
+        route = search(
             points,
             first=headings[0],
             last=headings[-1],
             via_headings=headings[1:-1],
-            limit=max(left, 0.0),
-            boxes=_QUICK * (self.n + 1) if quick else self.effort.boxes - self.effort.spent,
+            limit=max(seconds_left, 0.0),
+            boxes=boxes,
             tolerance=self.tolerance,
             cutoff=self.high,
-            known=self.best.headings if self.best is not None and order == self.order else None,
+            known=known,
             closed=self.stops.closed,
         )
-        self.effort.spent += found.boxes
-        if self.best is None or found.length < self.length:
-            self.best, self.order = found, order
-        return found
+        self.effort.spent += route.boxes
+        if self.best is None or route.length < self.length:
+            self.best = route
+            self.order = order
+        return route
 
     # Bounds
 
@@ -275,11 +286,14 @@ class _TourSearch:
         """Set up intervals of headings, and their pairs."""
         width = TWO_PI / intervals
         grid = np.linspace(0.5 * width - math.pi, math.pi - 0.5 * width, intervals)
-        middle, half, owner = [], [], []
-        for i, given in enumerate(self.stops.headings):
-            some = grid if given is None else np.array([math.remainder(given, TWO_PI)])
+        middle = []
+        half = []
+        owner = []
+        for i, heading in enumerate(self.stops.headings):
+            some = grid if heading is None else np.array([math.remainder(heading, TWO_PI)])
             middle.append(some)
-            half.append(np.full(some.size, OVERLAP + (0.5 * width if given is None else 0.0)))
+            half_width = 0.5 * width if heading is None else 0.0
+            half.append(np.full(some.size, OVERLAP + half_width))
             owner.append(np.full(some.size, i))
         self.owner = np.concatenate(owner)
         self.intervals = Intervals(
@@ -327,8 +341,8 @@ class _TourSearch:
         All intervals of a point get the slope of the best tour's potential there.
         """
         assert self.best is not None
-        points, given = self.stops.route(self.order)
-        slopes = potential_at(points, self.best.headings, given, self.stops.closed)
+        points, headings = self.stops.route(self.order)
+        slopes = potential_at(points, self.best.headings, headings, self.stops.closed)
         if self.around is not None:  # the last leg cancels the slope that the first one is given
             self.around = self.around._replace(slope=np.nan_to_num(slopes[:1]))
         of_points = np.zeros(self.n)
@@ -348,7 +362,8 @@ class _TourSearch:
         for i in range(self.n):
             self.effort.spend_or_end(float(np.count_nonzero(self.new[begin[i] : begin[i + 1]])))
             bounds_between(self.stops.points, begin, self.intervals, self.new, i, self.bounds)
-        self.starts, self.ends = np.zeros(size), np.zeros(size)
+        self.starts = np.zeros(size)
+        self.ends = np.zeros(size)
         first = self.around or _end_intervals(self.stops.first)
         last = self.around or _end_intervals(self.stops.last)
         for i, point in enumerate(self.stops.points):
@@ -384,21 +399,24 @@ class _TourSearch:
         Prices of points that the cheapest chain misses rise, and those of repeated points fall. A
         step is a share of the one that would close the gap, were the bound linear (Polyak 1969).
         """
-        prices, best, waited = self.prices, -math.inf, 0
+        prices = self.prices
+        best = -math.inf
+        idle_rounds = 0
         rounds, step = (_LATER_ROUNDS, _LATER_STEP) if self.priced else (_ROUNDS, _STEP)
         self.priced = True
         for _ in range(rounds):
             costs = self._chains(prices)
             bound = float((costs[-1] + self.ends).min() + prices.sum())
-            waited += 1
+            idle_rounds += 1
             if bound > best * (1.0 + 1e-6):
-                waited = 0
+                idle_rounds = 0
             if bound > best:
-                best, self.prices = bound, prices
+                best = bound
+                self.prices = prices
                 self.low = max(self.low, min(bound - self.slack, self.high))
-            if waited >= _PATIENCE:
+            if idle_rounds >= _PATIENCE:
                 step *= _SHRINK
-                waited = 0
+                idle_rounds = 0
             if bound == math.inf or self.closed or step < _LEAST_STEP:
                 break
             chain = cheapest_chain(costs, self.bounds, self.begin, self.after, self.ends)
@@ -420,19 +438,21 @@ class _TourSearch:
         Returns:
             Costs of chains back from the end, of the intervals that are kept.
         """
-        ahead, behind = self._chains(self.prices), self._chains(self.prices, back=True)
+        ahead = self._chains(self.prices)
+        behind = self._chains(self.prices, back=True)
         through = cheapest_through(ahead.min(axis=1), self.bounds, behind.min(axis=1))
         through += self.prices.sum()
         self.live &= through <= self.high + self.slack
         self.least = np.minimum(through.min(axis=0), through.min(axis=1))
-        kept = np.flatnonzero(self.live.any(axis=0) | self.live.any(axis=1))
-        self.owner = self.owner[kept]
-        self.intervals = Intervals(*(column[kept] for column in self.intervals))
-        self.live = self.live[np.ix_(kept, kept)]
-        self.bounds = np.where(self.live, self.bounds[np.ix_(kept, kept)], math.inf)
-        self.starts, self.ends = self.starts[kept], self.ends[kept]
-        self.least = self.least[kept]
-        return behind[:, :, kept]
+        places = np.flatnonzero(self.live.any(axis=0) | self.live.any(axis=1))
+        self.owner = self.owner[places]
+        self.intervals = Intervals(*(column[places] for column in self.intervals))
+        self.live = self.live[np.ix_(places, places)]
+        self.bounds = np.where(self.live, self.bounds[np.ix_(places, places)], math.inf)
+        self.starts = self.starts[places]
+        self.ends = self.ends[places]
+        self.least = self.least[places]
+        return behind[:, :, places]
 
     def _halve(self) -> bool:
         """Halve the intervals that short tours can pass.
@@ -453,8 +473,8 @@ class _TourSearch:
         self.owner = self.owner[parents]
         self.live = self.live[np.ix_(parents, parents)]
         self.bounds = self.bounds[np.ix_(parents, parents)]
-        was = split[parents]
-        self.new = self.live & (was[:, None] | was[None, :])
+        halved = split[parents]
+        self.new = self.live & (halved[:, None] | halved[None, :])
         return True
 
     # Orders
@@ -466,8 +486,8 @@ class _TourSearch:
         """
         if self.n > MOST_IN_SET:
             return None
-        legs = Legs(self.begin, self.bounds, self.starts, self.ends)
-        ahead = ToGo(behind, self.near, self.prices)
+        legs = Legs(self.begin, self.bounds, starts=self.starts, ends=self.ends)
+        ahead = ToGo(costs=behind, near=self.near, prices=self.prices)
         cutoff = self.high + self.slack
         orders = orders_within(legs, ahead, cutoff, self.effort)
         if orders is None:
@@ -491,23 +511,23 @@ class _TourSearch:
 
         The best tour's order comes first, the others follow by their bounds.
         """
-        left = dict(sorted(orders.items(), key=lambda item: item[1]))
+        order_bounds = dict(sorted(orders.items(), key=lambda item: item[1]))
         low = math.inf
-        for order in [self.order, *(order for order in left if order != self.order)]:
-            bound = left.get(order, 0.0)
+        for order in [self.order, *(order for order in order_bounds if order != self.order)]:
+            bound = order_bounds.get(order, 0.0)
             if order in self.searched:
                 bound = max(bound, self.searched[order].low)
             if bound < self.high * (1.0 - self.tolerance):
                 try:
                     self.effort.look_at_the_clock()
-                    found = self._search_order(order)
+                    route = self._search_order(order)
                 except SpentError:
-                    self.low = max(self.low, min(low, *left.values()))
+                    self.low = max(self.low, min(low, *order_bounds.values()))
                     raise
-                self.searched[order] = found
-                bound = max(bound, found.low)
+                self.searched[order] = route
+                bound = max(bound, route.low)
             low = min(low, bound)
-            left[order] = bound
+            order_bounds[order] = bound
         self.low = max(self.low, min(low, self.high))
 
 
@@ -519,7 +539,8 @@ def _least_tree(stops: Stops) -> float:
     target = [] if stops.target is None or stops.closed else [stops.target]
     points = np.vstack([np.zeros((1, 2)), stops.points, *target])
     # by hand: a distance below 1e-8 is no edge to SciPy's trees
-    tree, place = 0.0, 0
+    tree = 0.0
+    place = 0
     away = np.full(len(points), math.inf)
     joined = np.zeros(len(points), np.bool_)
     for _ in range(len(points) - 1):
@@ -543,6 +564,7 @@ def _end_intervals(heading: float | None) -> Intervals:
 
 def _pair_bounds(way: FloatArray, first: Intervals, last: Intervals) -> FloatArray:
     live = np.ones((first.middle.size, last.middle.size), np.int8)
-    bounds, words = np.empty(live.shape), np.empty(live.shape, np.int8)
+    bounds = np.empty(live.shape)
+    words = np.empty(live.shape, np.int8)
     bound_leg(way, first, last, live, bounds, words)
     return bounds

@@ -23,7 +23,8 @@ _FEW = 12  # points up to which an order of straight lines is not tried
 _ON_GRID = 100  # points up to which an order is improved with headings, not with straight lines
 _IMPROVED = 200  # points up to which an order is improved at all
 _SOME = 40  # points up to which there are more headings
-_HEADINGS, _FEWER = 24, 16  # at each point
+_HEADINGS = 24  # at each point
+_FEWER = 16
 _MOST_ARCS = 24  # further ones of single arcs to near points, where there are more
 _KICKED = 62  # points up to which an order is changed and shortened anew
 _KICKS = 16  # how often
@@ -57,15 +58,16 @@ def short_orders(
         return
     grid = _heading_grid(stops, effort)
     length = _shorten(order, grid, effort)
-    found = {tuple(order.tolist()): length}
-    for _ in range(_KICKS if n <= _KICKED else 0):
-        order = _kicked(min(found, key=found.__getitem__), random)
+    lengths = {tuple(order.tolist()): length}
+    kicks = _KICKS if n <= _KICKED else 0
+    for _ in range(kicks):
+        order = _kicked(min(lengths, key=lengths.__getitem__), random)
         length = _shorten(order, grid, effort)
-        found[tuple(order.tolist())] = length
-    shortest = min(found.values())
-    for tried, length in sorted(found.items(), key=lambda item: item[1]):
+        lengths[tuple(order.tolist())] = length
+    shortest = min(lengths.values())
+    for candidate, length in sorted(lengths.items(), key=lambda item: item[1]):
         if length <= _NEARLY * shortest:
-            yield tried
+            yield candidate
 
 
 def _kicked(order: tuple[int, ...], random: np.random.Generator) -> IntArray:
@@ -98,21 +100,23 @@ def _straight_lines(stops: Stops) -> _Grid:
 
     Each point has one heading, which does not count.
     """
-    points, ends = stops.points, np.zeros(len(stops.points))
+    points = stops.points
+    ends = np.zeros(len(stops.points))
     if stops.target is not None:
         ends = np.hypot(*(points - stops.target).T)
     begin = np.arange(len(points) + 1)
-    return _Grid(begin, cdist(points, points), np.hypot(*points.T), ends)
+    lengths = cdist(points, points)
+    return _Grid(begin, lengths, starts=np.hypot(*points.T), ends=ends)
 
 
 def _nearest_neighbours(points: FloatArray) -> IntArray:
     """Order that goes to the nearest point left."""
-    left = list(range(len(points)))
+    unvisited = list(range(len(points)))
     here = np.zeros(2)
     order = []
-    while left:
-        away = np.hypot(*(points[left] - here).T)
-        following = left.pop(int(away.argmin()))
+    while unvisited:
+        away = np.hypot(*(points[unvisited] - here).T)
+        following = unvisited.pop(int(away.argmin()))
         order.append(following)
         here = points[following]
     return np.array(order)
@@ -126,18 +130,21 @@ def _heading_grid(stops: Stops, effort: Effort) -> _Grid:
     n = len(stops.points)
     count = _HEADINGS if n <= _SOME else _FEWER
     evenly = np.linspace(-math.pi, math.pi, count, endpoint=False)
-    sizes, of_points = [0], []
-    for i, given in enumerate(stops.headings):
-        some = evenly if given is None else np.array([given])
-        if given is None and n <= _SOME:
+    sizes = [0]
+    of_points = []
+    for i, heading in enumerate(stops.headings):
+        some = evenly if heading is None else np.array([heading])
+        if heading is None and n <= _SOME:
             arcs = _arc_headings(stops.points - stops.points[i])
             some = np.append(evenly, arcs[:_MOST_ARCS])
         of_points.append(some)
         sizes.append(some.size)
-    begin, headings = np.cumsum(sizes), np.concatenate(of_points)
+    begin = np.cumsum(sizes)
+    headings = np.concatenate(of_points)
     effort.spend_or_end(headings.size**2 / 10)
     lengths = lengths_between(stops.points, begin, headings)
-    return _Grid(begin, lengths, *_to_ends(stops, begin, headings))
+    starts, ends = _to_ends(stops, begin, headings)
+    return _Grid(begin, lengths, starts=starts, ends=ends)
 
 
 def _to_ends(stops: Stops, begin: IntArray, headings: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -148,7 +155,8 @@ def _to_ends(stops: Stops, begin: IntArray, headings: FloatArray) -> tuple[Float
     circle = np.linspace(-math.pi, math.pi, 2 * _HEADINGS, endpoint=False)
     first = circle if stops.first is None else np.array([stops.first])
     last = circle if stops.last is None else np.array([stops.last])
-    starts, ends = np.zeros(headings.size), np.zeros(headings.size)
+    starts = np.zeros(headings.size)
+    ends = np.zeros(headings.size)
     for i, point in enumerate(stops.points):
         some = slice(begin[i], begin[i + 1])
         here = headings[some]
@@ -252,7 +260,9 @@ def better_order(
     """
     n = order.size
     back = np.ascontiguousarray(lengths.T)
-    ahead, behind, costs = np.empty(starts.size), np.empty(starts.size), np.empty(starts.size)
+    ahead = np.empty(starts.size)
+    behind = np.empty(starts.size)
+    costs = np.empty(starts.size)
     _costs_along(order, lengths, begin, starts, ahead)
     _costs_along(order[::-1], back, begin, ends, behind)
     least = (starts + behind)[begin[order[0]] : begin[order[0] + 1]].min()

@@ -47,4 +47,4 @@ class Stops(NamedTuple):
         around = np.vstack([np.zeros((1, 2)), others]) - self.points[place]
         rest = [heading for i, heading in enumerate(self.headings) if i != place]
         heading = self.headings[place]
-        return Stops(around, [None, *rest], heading, (0.0, 0.0), heading)
+        return Stops(around, [None, *rest], first=heading, target=(0.0, 0.0), last=heading)
