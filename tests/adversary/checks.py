@@ -1,4 +1,7 @@
-"""One case checked beside the oracle, and the oracle beside other ways to its numbers."""
+"""Checks of one case against the oracle.
+
+The oracle itself is checked against other ways to its numbers.
+"""
 
 import math
 from collections.abc import Sequence
@@ -31,18 +34,27 @@ _SPREAD = 8  # how much wider than the sampled truth the whole truth may be
 
 
 def ulp(length: float, radius: float) -> float:
-    """2^-52 of max(length, radius), one ulp or two: the unit of every difference of lengths."""
+    """The unit of every difference of lengths.
+
+    It is 2^-52 of max(length, radius): one ulp or two.
+    """
     return max(math.ulp(0.0), _EPS * max(length, radius))
 
 
 def outside(value: arb, hulls: Sequence[tuple[arb, arb]]) -> arb:
-    """How far a number lies from the nearest of some intervals; infinite if there are none."""
+    """Distance of a number from the nearest interval.
+
+    Infinite if there are no intervals.
+    """
     apart = [greatest((low - value, value - high, arb(0))) for low, high in hulls]
     return least(apart) if apart else arb("inf")
 
 
 def closed_form(table: Table, scenario: Scenario, truth: Truth, rng: np.random.Generator) -> None:
-    """The scalar closed form of every branch: length, end and existence."""
+    """Check the scalar closed form of every branch.
+
+    Checked are its length, its end, and whether it has a path.
+    """
     # products of eps and a coordinate below 1e-292 have lost digits, and so has a tiny delta
     tiny = greatest((arb(1e-290) / arb(scenario.radius), arb(1e-300)))
     off = abs(arb(local(scenario).delta) - truth.delta) / greatest((truth.delta, tiny))
@@ -77,7 +89,10 @@ def _deviation(
     end: acb,
     rng: np.random.Generator,
 ) -> float:
-    """By how many ulp a length leaves the truth; looks closer until the set explains it."""
+    """Difference of a length from the truth, in ulp.
+
+    The truth is refined until its set explains the length.
+    """
     radius = arb(scenario.radius)
     unit, value = arb(ulp(length, scenario.radius)) / radius, arb(length) / radius
     exact = truth.exact[branch]
@@ -94,9 +109,10 @@ def _deviation(
 
 
 def enclosures(table: Table, scenario: Scenario, truth: Truth) -> dict[str, tuple[float, float]]:
-    """Every interval holds the truth of every sampled target, and little else.
+    """Check every interval against all sampled targets.
 
-    Returns the least and the greatest of the sampled lengths by branch, rounded inwards.
+    An interval has to hold the truth of each, and little else. Returns the least and the greatest
+    of the sampled lengths by branch, rounded inwards.
     """
     R = scenario.radius
     sampled = {}
@@ -123,7 +139,10 @@ def enclosures(table: Table, scenario: Scenario, truth: Truth) -> dict[str, tupl
 
 
 def _absent_wrong(truth: Truth, branch: str, found: Enclosure) -> bool:
-    """Whether `absent` denies a target without a path, or claims one where all have a path."""
+    """Whether `absent` contradicts the truth.
+
+    It is wrong if it denies a target without a path, or claims one where all have a path.
+    """
     if truth.touches(branch):
         return truth.absent(branch) and not found.absent
     if truth.touches(branch, _SURE):
@@ -132,7 +151,10 @@ def _absent_wrong(truth: Truth, branch: str, found: Enclosure) -> bool:
 
 
 def bounds(table: Table, scenario: Scenario, truth: Truth) -> None:
-    """A bound below the truth is not called false; one above the whole truth is."""
+    """Check that only false bounds are called false.
+
+    A bound below the truth is not called false. One above the whole truth is.
+    """
     path = shortest_path(scenario)
     judged = judge(scenario, path)
     values = [each["best"] for _, each, _ in truth.members if each["best"] is not None]
@@ -147,7 +169,10 @@ def bounds(table: Table, scenario: Scenario, truth: Truth) -> None:
 
 
 def answer(table: Table, asked: Answer, truth: Truth, rng: np.random.Generator) -> None:
-    """Verdict, proof and certificate of any answer, beside its end and its length in 60 digits."""
+    """Check the verdict, proof and certificate of an answer.
+
+    Its end and its length are computed in 60 digits.
+    """
     scenario, branch, path = asked
     judged = judge(scenario, path, branch=branch)
     certificate = certify(scenario, path, judged, branch)
@@ -178,7 +203,10 @@ def answer(table: Table, asked: Answer, truth: Truth, rng: np.random.Generator) 
 
 
 def _arrives(asked: Answer, truth: Truth, end: acb) -> bool | None:
-    """Whether a path is admissible and meets the target; None where rounding leaves that open."""
+    """Whether a path is admissible and meets the target.
+
+    None where rounding leaves that open.
+    """
     scenario, branch, path = asked
     R = scenario.radius
     if truth.exact[branch] is None:
@@ -197,7 +225,10 @@ def _arrives(asked: Answer, truth: Truth, end: acb) -> bool | None:
 
 
 def excess(rates: Sequence[float], branch: str) -> float:
-    """Largest violation of what a branch allows of rates (curvature times radius)."""
+    """Largest violation of a branch's limits by some rates.
+
+    A rate is curvature times radius.
+    """
     if branch == "best":
         return max((abs(u) - 1 for u in rates), default=0.0)
     first = 1 if branch[0] == "L" else -1
@@ -210,9 +241,10 @@ def excess(rates: Sequence[float], branch: str) -> float:
 
 
 def _compared(truth: Truth, branch: str, length: arb) -> tuple[bool, bool, bool]:
-    """Whether some truth is below a length, and the length surely right or surely wrong.
+    """Compare a length with the sampled truth.
 
-    The whole truth is hardly wider than the sampled truth.
+    Returns whether some truth is below the length, whether the length is surely right, and whether
+    it is surely wrong. The whole truth is hardly wider than the sampled truth.
     """
     hulls = truth.hulls(branch)
     below = [length if side(high - length) >= 0 else high for low, high in hulls if low <= length]
@@ -225,9 +257,10 @@ def _compared(truth: Truth, branch: str, length: arb) -> tuple[bool, bool, bool]
 
 
 def _above_shortest(end: acb, length: arb) -> float:
-    """By how many of the allowed gaps a path is longer than the shortest one to its own end.
+    """Excess over the shortest path to the same end.
 
-    Its end's neighbourhood is as wide as the check lets a path miss.
+    In units of the allowed gap. The neighbourhood of the end is as wide as the check lets a path
+    miss.
     """
     own = Truth(end, arb(2 * TOLERANCES.miss))
     highest = own.exact["best"]
@@ -247,7 +280,10 @@ def oracle(table: Table, scenario: Scenario, truth: Truth, rng: np.random.Genera
 
 
 def _steps(truth: Truth, rng: np.random.Generator) -> bool:
-    """Whether some first piece and the shortest way from its end beat the oracle's shortest."""
+    """Whether a first piece beats the oracle's shortest.
+
+    The rest of the path is the shortest one from the end of that piece.
+    """
     best = truth.exact["best"]
     assert best is not None, "some path to every target exists"
     for turn in (-1, 0, 1):
@@ -261,7 +297,10 @@ def _steps(truth: Truth, rng: np.random.Generator) -> bool:
 
 
 def _scan(truth: Truth) -> float:
-    """Worst difference (in 1e-9 of max(length, 1)) from a search over the first arc in doubles."""
+    """Worst difference from a search over the first arc.
+
+    The search is done in doubles. The unit is 1e-9 of max(length, 1).
+    """
     searched = words_by_search(float(truth.target.real), float(truth.target.imag))
     worst = 0.0
     for word in WORDS:

@@ -1,4 +1,7 @@
-"""Whole frames beside single scenarios: both have to say the same."""
+"""Compare whole frames with single scenarios.
+
+Both have to say the same.
+"""
 
 import math
 from collections.abc import Sequence
@@ -30,7 +33,7 @@ _RIGHT = (Verdict.OPTIMAL, Verdict.NONE_EXISTS)
 
 
 class Judged(NamedTuple):
-    """An answer and what the scalar check says of it.
+    """An answer and the scalar check's judgement.
 
     `truth` are the least and the greatest of the sampled lengths (length unit), if they are known.
     """
@@ -64,7 +67,10 @@ def judged(
 def analytic(
     table: Table, scenario: Scenario, sampled: dict[str, tuple[float, float]]
 ) -> list[Judged]:
-    """The answers of `analytic` to one scenario, judged and certified."""
+    """Answers of `analytic` to one scenario.
+
+    They are judged and certified.
+    """
     answers = []
     for branch in BRANCHES:
         found = Analytic().solve(Question(scenario, branch), 1.0)
@@ -78,7 +84,10 @@ def analytic(
 
 
 def closed_forms(table: Table, cases: Sequence[tuple[str, Scenario]]) -> None:
-    """The answers of `analytic` to a frame, judged, beside the scalar closed form."""
+    """Compare judged frames of `analytic` with the closed form.
+
+    The closed form is the scalar one.
+    """
     frame = scenario_frame(scenario for _, scenario in cases)
     for branch in BRANCHES:
         solution = Analytic().solve_frame(frame.copy(), branch)
@@ -99,7 +108,10 @@ def closed_forms(table: Table, cases: Sequence[tuple[str, Scenario]]) -> None:
 
 
 def checks_of_frames(table: Table, answers: Sequence[Judged]) -> None:
-    """Answers of at most two pieces as a frame beside what the scalar check says of each."""
+    """Check a frame of answers, two pieces at most.
+
+    Each row is compared with the scalar check.
+    """
     few = [one for one in answers if one.path is None or one.path.lengths.size < 3]
     for branch in BRANCHES:
         some = [one for one in few if one.branch == branch]
@@ -118,7 +130,7 @@ def checks_of_frames(table: Table, answers: Sequence[Judged]) -> None:
 
 
 def _same(table: Table, rows: FrameJudgement, row: int, one: Judged) -> None:
-    """What a frame says of one row beside what the scalar check says."""
+    """Compare one row of a frame with scalar checks."""
     scenario, found = one.scenario, one.judgement
     line = paste(scenario, one.branch)
     if one.path is not None:
@@ -153,7 +165,10 @@ def _same(table: Table, rows: FrameJudgement, row: int, one: Judged) -> None:
 
 
 def _apart(pairs: dict[str, tuple[float, float | None, float]]) -> float:
-    """The largest difference: in its unit, or as a share of the number; infinite if one lacks."""
+    """The largest difference of two values.
+
+    In its unit, or as a share of the number. Infinite if one of the two is missing.
+    """
     worst = 0.0
     for frame, scalar, unit in pairs.values():
         if scalar is None or math.isnan(frame):

@@ -1,8 +1,9 @@
-"""Scenarios in which a wrong answer is likely, and answers that are wrong or of unusual shape.
+"""Scenarios and answers in which mistakes are likely.
 
-The scenarios lie at every edge of the problem, at every scale. A generator draws the target as a
-user computes it, from the start and the heading in doubles, so that it lies beside an edge by what
-that arithmetic rounds. Some are then moved by a number of ulp.
+The answers are wrong or of unusual shape. The scenarios lie at every edge of the problem, at every
+scale. A generator computes the target as a user does, from the start and the heading in doubles,
+so that it lies beside an edge by the rounding of that arithmetic. Some are then moved by a number
+of ulp.
 """
 
 import math
@@ -67,7 +68,9 @@ def placed(
     radius: float = 1.0,
     ulps: float = 0.0,
 ) -> Scenario:
-    """A scenario whose target is computed in doubles from (X, Y) in the vehicle's frame (radii).
+    """A scenario with its target given in radii.
+
+    The target is computed in doubles from (X, Y) in the vehicle's frame.
 
     The start lies in a square of half the side `box` (radii). `ulps` is the share of targets that
     are moved by up to 1000 ulp in each coordinate.
@@ -93,7 +96,7 @@ def sign(rng: Rng) -> float:
 
 
 def on_circle(rng: Rng, radius: int = 1) -> tuple[float, float]:
-    """A point on a circle about one of the turning centres, anywhere on its circumference."""
+    """A random point on one of the turning circles."""
     a = rng.uniform(-math.pi, math.pi) * power(rng, -8, 0) ** (rng.random() < 0.2)
     if rng.random() < 0.5:
         a = math.pi - a
@@ -205,7 +208,10 @@ _KINDS = [kind for kind, (share, _) in SCENARIOS.items() for _ in range(share)]
 
 
 def case(seed: int, number: int) -> tuple[str, Scenario]:
-    """The kind and the scenario of one case, the same for every division into blocks."""
+    """Kind and scenario of one case.
+
+    They are the same for every division into blocks.
+    """
     if number < len(FIXED):
         return "fixed", FIXED[number]
     rng = np.random.default_rng((seed, number))
@@ -218,7 +224,7 @@ def case(seed: int, number: int) -> tuple[str, Scenario]:
 
 
 class Answer(NamedTuple):
-    """A path that is put before the check, and its question."""
+    """A path that is checked, and its question."""
 
     scenario: Scenario
     branch: str
@@ -286,7 +292,10 @@ ALTERED: dict[str, tuple[float, Alter]] = {
 
 
 def _with_end_as_target(scenario: Scenario, path: Path) -> Scenario:
-    """The scenario whose target is the path's own end, rounded to doubles."""
+    """The scenario whose target is the path's end.
+
+    The end is rounded to doubles.
+    """
     with ctx.workprec(320):
         controls = zip(path.curvatures.tolist(), path.lengths.tolist(), strict=True)
         moved = drive([(arb(k), arb(s)) for k, s in controls])[0]
@@ -297,7 +306,10 @@ def _with_end_as_target(scenario: Scenario, path: Path) -> Scenario:
 
 
 def wrong_answer(rng: Rng, scenario: Scenario) -> tuple[str, Answer]:
-    """One altered answer, to the scenario or to one of its own; and its kind."""
+    """One altered answer, and its kind.
+
+    It answers the scenario or one of its own.
+    """
     while True:
         kind = str(rng.choice(list(ALTERED)))
         moved, alter = ALTERED[kind]

@@ -1,4 +1,6 @@
-"""The six words of a leg by circles and tangents, compiled, and dynamic programs over headings.
+"""Compiled leg lengths, and dynamic programs over headings.
+
+The six words of a leg are found by circles and tangents.
 
 No formula is shared with the package. Radius 1; headings in rad.
 """
@@ -16,7 +18,10 @@ _ROUNDS = 300  # of a descent, which may creep along an edge for ever; a few doz
 
 @numba.njit(cache=True)
 def _turned(angle: float, gap: float) -> float:
-    """An arc's angle in [0, 2 pi); one that lacks less than `gap` of a full turn is none."""
+    """Angle of an arc in [0, 2 pi).
+
+    An arc that lacks less than `gap` of a full turn is none.
+    """
     angle -= _TWO_PI * math.floor(angle / _TWO_PI)
     return angle if angle < _TWO_PI - gap else 0.0
 
@@ -56,7 +61,9 @@ def _leg(x: float, y: float, a: float, b: float, rates: Array, gap: float) -> fl
 
 @numba.njit(cache=True)
 def leg_length(x: float, y: float, a: float, b: float, gap: float) -> float:
-    """The shortest path from the origin, heading a, to (x, y), heading b.
+    """Shortest path from the origin to (x, y).
+
+    It starts with heading a and ends with heading b.
 
     An arc that lacks less than `gap` (rad) of a full turn counts as none, and circles that miss
     each other by less than a hundredth of it as touching: what rounding may hide.
@@ -66,7 +73,10 @@ def leg_length(x: float, y: float, a: float, b: float, gap: float) -> float:
 
 @numba.njit(cache=True)
 def _arrivals(x: float, y: float, a: float, found: Array) -> int:
-    """Headings in which (x, y) is met without a last arc, or without the last but one."""
+    """Headings of arrival at (x, y) with fewer arcs.
+
+    The last arc is missing, or the last but one.
+    """
     n = 0
     for s in (1.0, -1.0):
         dx, dy = x + s * math.sin(a), y - s * math.cos(a)
@@ -94,7 +104,7 @@ def route_length(legs: Array, headings: Array) -> float:
 
 @numba.njit(cache=True)
 def length_table(x: float, y: float, a: Array, b: Array) -> Array:
-    """The lengths of a leg from each heading of a to each of b."""
+    """Leg lengths from each a to each b."""
     table = np.empty((a.size, b.size))
     sin_b, cos_b = np.sin(b), np.cos(b)
     for i in range(a.size):
@@ -108,7 +118,9 @@ def length_table(x: float, y: float, a: Array, b: Array) -> Array:
 def downhill(
     legs: Array, headings: Array, free: Array, rng: np.random.Generator, steps: Array
 ) -> float:
-    """Go downhill in place: along each heading, at random, and along the edges where legs jump.
+    """Improve the headings in place, downhill.
+
+    Steps go along each heading, at random, and along the edges where legs jump.
 
     The least length often lies on an edge, where an arc of a leg has no length. A point moves along
     it if its neighbour's heading is changed and its own is then that of an arrival without an arc.

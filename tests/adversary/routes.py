@@ -1,7 +1,7 @@
-"""Attack the certified search: no small route is shorter than its proven bound.
+"""Attack the certified search with shorter small routes.
 
-Each is tried by other means: by dynamic programs over 10 000 headings a turn, and downhill from 300
-starts.
+No small route may be shorter than its proven bound. Each is attacked by other means: by dynamic
+programs over 10 000 headings a turn, and downhill from 300 starts.
 """
 
 import math
@@ -35,7 +35,10 @@ _OFF_CIRCLE = 1e-15
 
 
 class Asked(NamedTuple):
-    """A route in radii: points of shape (n + 1, 2), headings at both ends; None is free."""
+    """A route in radii.
+
+    Points have shape (n + 1, 2). The headings are those at both ends; None is free.
+    """
 
     points: Array
     first: float
@@ -49,7 +52,10 @@ def _spaced(least: float, most: float, rng: Rng, n: int) -> tuple[Array, float]:
 
 
 def _in_line(rng: Rng, n: int) -> tuple[Array, float]:
-    """Points on one line, driven along it, across it, or there and back."""
+    """Points on one line.
+
+    The line is driven along, across, or there and back.
+    """
     angle = rng.choice([0.0, math.pi / 2, rng.uniform(-math.pi, math.pi)])
     back = rng.choice([0.0, math.pi], n) if rng.random() < 0.6 else np.zeros(n)
     first = angle + rng.choice([0.0, math.pi, math.pi / 2, rng.uniform(-math.pi, math.pi)])
@@ -65,7 +71,10 @@ def _u_turns(rng: Rng, n: int) -> tuple[Array, float]:
 
 
 def _on_a_path(rng: Rng, n: int) -> tuple[Array, float]:
-    """Points where a path of arcs and straights changes its turn: on turning circles."""
+    """Points where a path changes its turn.
+
+    The path has arcs and straights, so the points lie on turning circles.
+    """
     turn = rng.choice([-1.0, 0.0, 1.0], n)
     length = np.where(rng.random(n) < 0.3, math.pi / 2, rng.uniform(0.1, 5.0, n))
     first = rng.choice([0.0, rng.uniform(-math.pi, math.pi)])
@@ -76,7 +85,10 @@ def _on_a_path(rng: Rng, n: int) -> tuple[Array, float]:
 
 
 def _round(rng: Rng, n: int) -> tuple[Array, float]:
-    """Round numbers, which lie on turning circles exactly; neighbours apart."""
+    """Points with round coordinates; neighbours are apart.
+
+    Such points lie on turning circles exactly.
+    """
     while True:
         points = np.vstack([[0.0, 0.0], rng.choice([-2.0, -1.0, 0.0, 0.5, 1.0, 2.0, 3.0], (n, 2))])
         if np.hypot(*np.diff(points, axis=0).T).min() > 0.0:
@@ -96,7 +108,7 @@ KINDS: dict[str, Callable[[Rng, int], tuple[Array, float]]] = {
 
 
 def drawn(number: int, seeded: int) -> tuple[str, Asked]:
-    """The kind of a route of a seed, and the route: of 2 to 5 legs."""
+    """Kind and route of a seed, 2-5 legs."""
     rng = np.random.default_rng((seeded, number))
     kind = list(KINDS)[number % len(KINDS)]
     points, first = KINDS[kind](rng, int(rng.integers(2, 6)))
@@ -108,14 +120,17 @@ def drawn(number: int, seeded: int) -> tuple[str, Asked]:
 
 
 class Chains(NamedTuple):
-    """A dynamic program: the least length through each heading, and the way to and from it."""
+    """Best chains of a dynamic program over headings.
+
+    It holds the least length through each heading, and the way to and from it.
+    """
 
     through: list[Array]
     before: list[NDArray[np.intp]]
     after: list[NDArray[np.intp]]
 
     def headings(self, grid: list[Array], point: int, place: int) -> Array:
-        """The headings of the best chain through one heading of a point."""
+        """Headings of the best chain through one heading."""
         chain = [place]
         for before in reversed(self.before[:point]):
             chain.insert(0, int(before[chain[0]]))
@@ -140,7 +155,10 @@ def program(legs: Array, grid: list[Array]) -> Chains:
 
 
 def whole_grid(legs: Array, ends: list[Array | None]) -> float:
-    """The least over all headings of the fine grid, 250 rows of a table at a time."""
+    """Least length over all headings of the fine grid.
+
+    It is computed for 250 rows of a table at a time.
+    """
     every = np.arange(_FINE) * (2 * math.pi / _FINE) - math.pi
     cost = np.zeros(1)
     grid = [every if end is None else end for end in ends]
@@ -155,7 +173,7 @@ def whole_grid(legs: Array, ends: list[Array | None]) -> float:
 
 
 def attacked(asked: Asked, rng: Rng) -> float:
-    """The least length that is found, on the fine grid and downhill.
+    """Least length by the fine grid and downhill.
 
     The grid has 500 headings at a point, and then the fine ones in the 15 windows about those
     through which the shortest chains go and in 5 random windows. Downhill from the best chain
@@ -198,7 +216,9 @@ def attacked(asked: Asked, rng: Rng) -> float:
 
 
 def tolerated(asked: Asked) -> float:
-    """By how much of its length a route's bound may be above a length that is found.
+    """Tolerated excess of a bound over a length.
+
+    It is a share of the length.
 
     From a given heading points may lie on turning circles one after another up to rounding. Each
     frees the heading there by the root of what it is off; more than two were not needed.
@@ -216,12 +236,18 @@ def tolerated(asked: Asked) -> float:
 
 
 def proven(asked: Asked, number: int) -> Route:
-    """The search; asked by turns for what `shortest_route` asks for and for a thousandth of it."""
+    """Proven interval of the search.
+
+    Its tolerance is in turn that of `shortest_route` and a thousandth of it.
+    """
     return search(*asked, boxes=_BOXES, tolerance=(1e-9, 1e-12)[number // len(KINDS) % 2])
 
 
 def attack(table: Table, seed: int, number: int) -> float:
-    """One route: its proven bound beside the least length that is found, which is returned."""
+    """Compare one route's bound with the shortest attack.
+
+    Returns the least length of the attacks.
+    """
     table.generator, asked = drawn(number, seed)
     low = proven(asked, number).low
     found = attacked(asked, np.random.default_rng((seed, number, 1)))
@@ -230,7 +256,7 @@ def attack(table: Table, seed: int, number: int) -> float:
 
 
 def run(seed: int, low: int, high: int) -> Table:
-    """The routes `low` to `high` - 1 of a seed."""
+    """Attack routes `low` to `high - 1` of a seed."""
     table = Table()
     for number in range(low, high):
         attack(table, seed, number)

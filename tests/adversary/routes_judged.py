@@ -1,4 +1,6 @@
-"""Routes and legs with a final heading before the check: honest paths, false ones, and bounds.
+"""Routes and legs before the check, honest and false.
+
+The legs have a final heading; bounds are checked too.
 
 What is right is known without the package's check: where a path passes a point is searched on a
 dense sample of it, one path that arrives is a bound for all others, and the length of one leg is
@@ -34,7 +36,10 @@ _HIDDEN = 1e-10  # rad; an arc that lacks less of a full turn may be none by rou
 
 
 def scenario_of(seed: int, number: int) -> tuple[str, Scenario]:
-    """A small route, or one leg with a final heading; moved and scaled or not."""
+    """A small route, or a leg with final heading.
+
+    It is moved and scaled or not.
+    """
     rng = np.random.default_rng((seed, number, 2))
     if number % 4:
         columns = hard_poses(6, number + seed).iloc[number % 6]
@@ -52,7 +57,7 @@ def scenario_of(seed: int, number: int) -> tuple[str, Scenario]:
 
 
 class Answer(NamedTuple):
-    """A path, its question, and what is known of the shortest length of that."""
+    """A path, its question, and known shortest lengths."""
 
     kind: str
     scenario: Scenario
@@ -62,10 +67,11 @@ class Answer(NamedTuple):
 
 
 def off_points(scenario: Scenario, path: Path) -> float:
-    """By how much a path breaks its question, in what is allowed: points, heading, curvature.
+    """Violations of a question by a path.
 
-    The nearest places of a point are searched on a dense sample of the path; each next point after
-    the first one that is near enough. Of a point that is missed, the rest counts from there.
+    In units of what is allowed: points, heading, curvature. The nearest places of a point are
+    searched on a dense sample of the path; each next point after the first one that is near
+    enough. After a missed point the search goes on from that point's nearest place.
     """
     radius = scenario.radius
     ends = np.concatenate([[0.0], np.cumsum(path.lengths)])
@@ -110,7 +116,10 @@ def _away(path: Path, at: NDArray[np.float64], x: float, y: float) -> NDArray[np
 def answers(
     rng: Rng, scenario: Scenario, path: Path, known: tuple[float, float]
 ) -> Iterator[Answer]:
-    """Paths beside the best one, honest and false, and the best one before other questions."""
+    """Paths beside the best one, honest and false.
+
+    The best path is also put before other questions.
+    """
     radius, k, s = scenario.radius, path.curvatures, path.lengths
     off = float(rng.choice([1e-12, 1e-9, 0.5e-6, 0.99e-6, 1.01e-6, 2e-6, 1e-3]))
     angle, sign = rng.uniform(-math.pi, math.pi), rng.choice([-1.0, 1.0])
@@ -149,7 +158,10 @@ def answers(
 
 
 def own_points(rng: Rng) -> Answer:
-    """Any path, before the question of points on it, its end and, mostly, its final heading."""
+    """Any path, with a question made from it.
+
+    The question has points on the path, its end and, mostly, its final heading.
+    """
     n = int(rng.integers(2, 7))
     rates = rng.choice([-1.0, 0.0, 1.0, rng.uniform(-1, 1)], n)
     lengths = rng.exponential(rng.choice([0.3, 1.0, 3.0]), n)
@@ -164,7 +176,7 @@ def own_points(rng: Rng) -> Answer:
 
 
 def attacked(table: Table, seed: int, number: int) -> None:
-    """One scenario: what `analytic` says of it, and each answer before the check."""
+    """Check `analytic` and all answers of one scenario."""
     rng = np.random.default_rng((seed, number, 3))
     table.generator, scenario = scenario_of(seed, number)
     solution = Analytic().solve(Question(scenario), TOLERANCES.search_s)
@@ -190,7 +202,7 @@ def attacked(table: Table, seed: int, number: int) -> None:
 
 
 def _leg(table: Table, scenario: Scenario, length: float, rng: Rng) -> tuple[float, float]:
-    """The least and the most that a leg's length may be, by circles and tangents.
+    """Interval of a leg's length by circles and tangents.
 
     Its own length has to be one that the rounding of its data leaves open.
     """

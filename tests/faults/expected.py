@@ -4,7 +4,10 @@ from typing import NamedTuple
 
 
 class Case(NamedTuple):
-    """Columns of a plug-in's rows; `message` and `native` are patterns that must be found."""
+    """Expected columns of a plug-in's rows.
+
+    `message` and `native` are patterns that must be found.
+    """
 
     outcome: str
     verdict: str = "none"

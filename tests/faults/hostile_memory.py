@@ -1,4 +1,7 @@
-"""Plug-ins that want all the memory; each stops at 5 GiB, should nobody stop it."""
+"""Plug-ins that want all the memory.
+
+Each stops at 5 GiB, should nobody stop it.
+"""
 
 import os
 import time
@@ -11,7 +14,10 @@ GIB = 2**30
 
 
 class Greedy(Analytic):
-    """Answers the easy question that a worker asks first, so that its own turn comes."""
+    """Answers the warm-up question, then takes memory.
+
+    A worker asks an easy question first.
+    """
 
     def solve(self, model, limit):
         if model.scenario.label != "warm-up":
@@ -39,7 +45,10 @@ class Sudden(Greedy):
 
 
 class InChildren(Greedy):
-    """The worker stays small, and so does each of its children; together they do not."""
+    """Takes too much memory in its children.
+
+    The worker stays small, and so does each child; together they do not.
+    """
 
     def take(self):
         children = []
@@ -71,7 +80,10 @@ class OutOfMemory(Greedy):
 
 
 class Modest(Greedy):
-    """Takes half a GiB and gives it back: no reason to be stopped."""
+    """Takes half a GiB and gives it back.
+
+    That is no reason to be stopped.
+    """
 
     def take(self):
         np.ones(GIB // 2, np.uint8)

@@ -1,4 +1,7 @@
-"""What a page and a table may hold, told from the templates and not from what they say."""
+"""Allowed contents of a page and a table.
+
+They are told from the templates and not from what those say.
+"""
 
 import json
 import re
@@ -81,7 +84,10 @@ class _Page(HTMLParser):
 
 
 def odd_parts(html: str) -> list[str]:
-    """What stands in a page that no template of ours writes: elements, attributes, programs."""
+    """Parts of a page that no template writes.
+
+    They are elements, attributes and programs.
+    """
     page = _Page()
     page.feed(html)
     page.close()
@@ -89,7 +95,10 @@ def odd_parts(html: str) -> list[str]:
 
 
 def check_report(folder: Path) -> None:
-    """A report that nobody has to fear, whatever its rows and manifests say."""
+    """Check that a report is harmless.
+
+    Its rows and manifests may say anything.
+    """
     html = (folder / "index.html").read_text(encoding="utf-8")
     assert not (odd := odd_parts(html)), odd[:5]
     assert not _controls(html)
@@ -106,13 +115,13 @@ def _check_tex(text: str) -> None:
 
 
 def _controls(text: str) -> set[str]:
-    """Control characters, and those that turn the direction of writing."""
+    """Control characters, and those that turn writing."""
     turning = set("\u202a\u202b\u202c\u202d\u202e\u2066\u2067\u2068\u2069")
     return raw_controls(text) | (turning & set(text))
 
 
 def check_json(text: str) -> None:
-    """JSON as its standard has it: no NaN, no infinity."""
+    """Check JSON by its standard: no NaN, no infinity."""
 
     def refuse(name: str) -> None:
         raise AssertionError(f"{name} is not JSON")

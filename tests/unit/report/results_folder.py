@@ -36,7 +36,10 @@ def attempt(
     claim: Claim = Claim.OPTIMAL,
     **changes: Any,
 ) -> dict[str, Any]:
-    """One row, judged; `path` is the closed form's unless given."""
+    """One judged row.
+
+    `path` is the closed form's unless given.
+    """
     given = shortest_path(scenario, branch) if isinstance(path, str) else path
     if given is None and claim is Claim.OPTIMAL:
         claim = Claim.INFEASIBLE
@@ -86,14 +89,17 @@ _MEASURED += ("build_s", "solve_s", "wall_s", "iterations")
 
 
 def lost(scenario: Scenario, solver: str = "x", **changes: Any) -> dict[str, Any]:
-    """The row of a process that took everything with it."""
+    """The row of a process that crashed."""
     gone: dict[str, Any] = dict.fromkeys(_MEASURED)
     gone |= {"path": None, "claim": Claim.NONE, "outcome": "crashed"}
     return attempt(scenario, solver, **(gone | changes))
 
 
 def compared_row(question: int, solver: str, **changes: Any) -> dict[str, Any]:
-    """A right answer as methods are compared by it: local, no proof, 1 ms, the target outside."""
+    """A right answer for the comparison of methods.
+
+    It is local, without a proof, takes 1 ms, and has its target outside.
+    """
     return {
         **{"question": question, "scenario": question, "solver": solver, "stratum": ""},
         **{"repeat": 0, "formulation": "one NLP a word", "engine": solver, "guess": "bearing"},
@@ -111,7 +117,10 @@ def compared_row(question: int, solver: str, **changes: Any) -> dict[str, Any]:
 
 
 def _settings(spec: str) -> dict[str, Any]:
-    """A solver's settings; none of names that only a hostile row would have."""
+    """A solver's settings; none of hostile names.
+
+    Only a hostile row has such a name.
+    """
     try:
         return settings(load(spec))
     except SolverError:
@@ -121,7 +130,10 @@ def _settings(spec: str) -> dict[str, Any]:
 def write_folder(
     folder: FilePath, name: str, rows: Iterable[dict[str, Any]], **manifest: Any
 ) -> FilePath:
-    """A results folder with one part, of the section that a packaged experiment of its name has."""
+    """Write a results folder with one part.
+
+    Its section is that of the packaged experiment of its name.
+    """
     rows = list(rows)
     named = read(name).experiment.section if name in packaged() else None
     named = "benchmark" if name == "benchmark" else named
@@ -160,10 +172,11 @@ _CELL = {
 def attempts_of(
     place: FilePath, rows: pd.DataFrame, parts: Sequence[int] | None = None
 ) -> pd.DataFrame:
-    """Rows written to one folder an experiment, each row a cell of its own, and read as attempts.
+    """Write rows to folders and read them as attempts.
 
-    What is missing of a row is filled in; the index numbers the rows, and so their repeats. `parts`
-    are the numbers of the parts that the rows go to; one part if None.
+    Each experiment has a folder, and each row is a cell of its own. What is missing of a row is
+    filled in; the index numbers the rows, and so their repeats. `parts` are the numbers of the
+    parts that the rows go to; one part if None.
     """
     whole = rows.drop(columns=["repeat", "answerable"], errors="ignore").reset_index(drop=True)
     whole = whole.assign(**{name: v for name, v in _CELL.items() if name not in whole})
