@@ -1,4 +1,6 @@
-"""Run the benchmarks named on the command line, or all, and print one table.
+"""Run benchmarks and print one table.
+
+They are the benchmarks named on the command line, or all.
 
 `python -m benchmarks kernel frame` runs `bench_kernel.py` and `bench_frame.py`; with `--peers
 FOLDER`, `route` and `pose` build peers from sources. Exit code 1 if a target is missed or a
@@ -28,7 +30,10 @@ def known() -> list[str]:
 
 
 def run(name: str) -> Iterator[Measurement]:
-    """The rows of one benchmark; one that fails is a row that says how."""
+    """Rows of one benchmark.
+
+    One that fails is a row that says how.
+    """
     try:
         yield from import_module(f"benchmarks.bench_{name}").measure()
     except Exception as error:  # the other benchmarks are still worth running

@@ -1,4 +1,7 @@
-"""What a certificate costs: of a path, of a reference length, and of a frame's answers."""
+"""Cost of a certificate.
+
+It is measured for a path, for a reference length, and for a frame's answers.
+"""
 
 from __future__ import annotations
 
@@ -64,7 +67,10 @@ def _each(
 
 
 def _frame(frame: pd.DataFrame) -> Measurement:
-    """Certificates of a frame's answers, beside the same frame judged alone."""
+    """Cost of certificates of a frame.
+
+    The same frame is judged alone beside it.
+    """
     some = frame[:FRAME]
     times = side_by_side(
         {

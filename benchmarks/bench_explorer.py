@@ -1,4 +1,6 @@
-"""How long the explorer's page takes to answer a drag, in Chromium.
+"""Time that the explorer takes to answer a drag.
+
+It is measured in Chromium.
 
 500 moves of each handle, by the browser's own input: of target, heading and radius of one leg, of a
 via point and the final heading of routes with five via points, and of a via point of tours with
@@ -65,7 +67,10 @@ _WATCH = """() => {
 
 
 class Times(NamedTuple):
-    """Milliseconds of each move, shape (moves,), and of each collection of garbage."""
+    """Milliseconds of each move and each collection.
+
+    The moves have shape (moves,); the collections are those of garbage.
+    """
 
     handler: FloatArray
     painted: FloatArray
@@ -94,7 +99,10 @@ def measure() -> Iterable[Measurement]:
 
 
 def summary(repeats: Sequence[Times]) -> str:
-    """Of the least times of each move, then of all times as they were; the longest collection."""
+    """Summary of the times of all moves.
+
+    It has the least times of each move, all times as they were, and the longest collection.
+    """
     parts = []
     for title, join in (("least", partial(np.min, axis=0)), ("all", np.concatenate)):
         for kind in ("handler", "painted", "cpu"):
@@ -106,7 +114,10 @@ def summary(repeats: Sequence[Times]) -> str:
 
 
 def drags(address: str, program: str) -> Iterator[tuple[str, list[Times]]]:
-    """Each handle with the times of its moves, as often as they were made."""
+    """Each handle with the times of its moves.
+
+    The moves are made several times.
+    """
     from playwright.sync_api import sync_playwright  # an extra of the tests
 
     with sync_playwright() as playwright:
@@ -159,9 +170,10 @@ def _middle(box: dict[str, float]) -> tuple[float, float]:
 
 
 def _places(box: dict[str, float], disc: dict[str, float]) -> Iterator[tuple[float, float]]:
-    """Pixels: anywhere in the picture, a little further, and next to a circle.
+    """Pixels for moves of a handle.
 
-    The circle is the left turning circle, or of a route one around its second via point.
+    They lie anywhere in the picture, a little further, and next to a circle. The circle is the
+    left turning circle, or of a route one around its second via point.
     """
     chance = random.Random(1)
     (cx, cy), r = _middle(disc), disc["width"] / 2
@@ -179,7 +191,10 @@ def _places(box: dict[str, float], disc: dict[str, float]) -> Iterator[tuple[flo
 
 
 def _on_thread(events: list[dict[str, Any]]) -> tuple[FloatArray, FloatArray]:
-    """CPU times (ms) of the page's main thread: from each move to the next, and of collections."""
+    """CPU times (ms) of the page's main thread.
+
+    They are from each move to the next, and of collections.
+    """
     moves = [
         event
         for event in events

@@ -1,4 +1,7 @@
-"""The batch kernel beside NumPy's addition and OMPL, and 10^8 rows in chunks."""
+"""The batch kernel beside NumPy's addition and OMPL.
+
+It also takes 10^8 rows in chunks.
+"""
 
 from __future__ import annotations
 
@@ -59,7 +62,10 @@ def measure() -> Iterable[Measurement]:
 
 
 def _chunks(data: list[list[np.ndarray]], out: Rows) -> Iterable[Measurement]:
-    """10^8 rows, a million at a time from four different ones, beside one million alone."""
+    """10^8 rows beside one million alone.
+
+    They are taken a million at a time from four different frames.
+    """
     alone = side_by_side({"kernel": lambda: shortest_rows(*data[0], out=out)}, 15)["kernel"]
     before, began = _resident(), perf_counter()
     for chunk in range(CHUNKS):
@@ -89,7 +95,7 @@ def _chunks(data: list[list[np.ndarray]], out: Rows) -> Iterable[Measurement]:
 
 
 def _resident() -> float | None:
-    """Resident memory in MB; None where it cannot be asked."""
+    """Resident memory in MB; None if unknown."""
     if not _STATM.exists():
         return None
     return int(_STATM.read_text().split()[1]) * 4096 / 1e6

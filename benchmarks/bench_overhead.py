@@ -1,4 +1,6 @@
-"""What a cell costs beyond its solver: our harness beside benchopt and qpbenchmark.
+"""Cost of a cell beyond its solver.
+
+Our harness stands beside benchopt and qpbenchmark.
 
 The same trivial solver (`benchmarks/overhead/trivial.py`, some ten microseconds of closed form) is
 run under each harness over the same number of cells, with one job, as its own command line would:
@@ -63,7 +65,10 @@ def measure() -> Iterable[Measurement]:
 
 
 def _beside(what: str, ours: float, peer: float, note: str) -> Measurement:
-    """Microseconds a cell, which are to be no more than a peer's or than what is aimed at."""
+    """Microseconds a cell and their target.
+
+    The target is a peer's time or a fixed aim.
+    """
     ratio = ours / peer
     return Measurement(
         what, ours=ours, peer=peer, unit="µs/cell", ratio=ratio, target=1.0, note=note

@@ -1,4 +1,6 @@
-"""Legs with a final heading, 10^6 in one thread: beside OMPL and `dubins`, and judged.
+"""10^6 legs with a final heading in one thread.
+
+They are compared with OMPL and `dubins`, and judged.
 
 `pip download --no-deps --no-binary :all: dubins==1.0.1 -d FOLDER` brings the sources of the wheel
 `dubins`, and `--peers FOLDER` builds its C code in a temporary folder.
@@ -98,7 +100,9 @@ def _measure() -> Iterable[Measurement]:
 
 
 def random_legs(n: int, seed: int = 0, sizes: tuple[float, float] = (5.0, 5.0)) -> PoseArrays:
-    """n legs with all headings in squares of half width from the one size to the other.
+    """n random legs with all headings.
+
+    Their squares have half widths from the one size to the other.
 
     In those of 5 R half of the points are less than 5 R apart.
     """
@@ -115,7 +119,10 @@ def _poses(legs: PoseArrays, i: int) -> tuple[Pose, Pose, float]:
 
 
 def _agreement(name: str, legs: PoseArrays, ours: FloatArray, theirs: FloatArray) -> Measurement:
-    """How many lengths differ, and of how many a proven interval does not side with us alone."""
+    """Number of lengths that differ.
+
+    Also: of how many of them a proven interval does not side with us alone.
+    """
     other = np.flatnonzero(~(np.abs(theirs - ours) <= ALIKE * np.maximum(ours, 1.0)))
     worst, unexplained = 0.0, 0
     for i in other.tolist():
@@ -134,7 +141,9 @@ def _agreement(name: str, legs: PoseArrays, ours: FloatArray, theirs: FloatArray
 
 
 def _ompl_lengths(legs: PoseArrays, out: FloatArray | None = None) -> Callable[[], object] | None:
-    """`DubinsStateSpace.distance()` called from Python `CALLS` times, on states made before.
+    """Time of OMPL's lengths called from Python.
+
+    `DubinsStateSpace.distance()` is called `CALLS` times, on states made before.
 
     With `out` each is called once instead, and its length is kept there.
     """
@@ -169,7 +178,10 @@ def _ompl_lengths(legs: PoseArrays, out: FloatArray | None = None) -> Callable[[
 
 
 def _dubins_lengths() -> Lengths | None:
-    """A compiled loop that calls `dubins_shortest_path` and `dubins_path_length` for every row."""
+    """A compiled loop over the C code of `dubins`.
+
+    It calls `dubins_shortest_path` and `dubins_path_length` for every row.
+    """
     archives = sorted((harness.peer_sources or Path("nowhere")).glob("dubins-*.tar.gz"))
     compiler = shutil.which("cc")
     if not archives or compiler is None:

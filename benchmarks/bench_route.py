@@ -1,4 +1,6 @@
-"""The certified search for the shortest route: how many routes it closes, how fast, and how far.
+"""The certified search for the shortest route.
+
+Measured are how many routes it closes, how fast, and how far.
 
 Random routes start at (0, 0) with a given heading and end with a free one; their legs have lengths
 and directions drawn from a seed. The smooth circuit has 700 legs along a Fourier curve.
@@ -34,14 +36,20 @@ RANDOM = [
 
 
 def random_route(rng: np.random.Generator, legs: int, least: float, most: float) -> FloatArray:
-    """Points of a route with uniformly drawn directions and lengths of its legs (radii)."""
+    """Points of a route with random legs.
+
+    Directions and lengths of its legs (radii) are drawn uniformly.
+    """
     direction, length = rng.uniform(-math.pi, math.pi, legs), rng.uniform(least, most, legs)
     steps = length[:, None] * np.stack([np.cos(direction), np.sin(direction)], axis=1)
     return np.vstack([[0.0, 0.0], np.cumsum(steps, axis=0)])
 
 
 def circuit(legs: int) -> FloatArray:
-    """Points along a smooth closed curve, with legs of 5 to 30 radii."""
+    """Points along a smooth closed curve.
+
+    Its legs have 5 to 30 radii.
+    """
     rng = np.random.default_rng(SEED)
     steps = 17.5 + 12.0 * np.sin(np.linspace(0.0, 40 * math.pi, legs) + rng.uniform(0.0, math.pi))
     turning = sum(

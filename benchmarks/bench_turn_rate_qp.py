@@ -1,4 +1,6 @@
-"""turn-rate-qp at n = 50: what stands around the QP engine, and what every engine takes and leaves.
+"""turn-rate-qp at n = 50: time beside its engine.
+
+It also compares the time and the gap of every engine.
 
 Times are ms and medians over repeats, gaps are relative lengths above the closed form.
 """
@@ -46,7 +48,10 @@ class EngineFigures:
 
 
 def scenarios() -> dict[str, list[Scenario]]:
-    """Targets on spirals around the start: 12 outside the discs, 6 inside."""
+    """Targets on spirals around the start.
+
+    12 are outside the discs, 6 inside.
+    """
     outside = [
         Scenario(1, -2, 0.3, 1 + d * math.cos(a), -2 + d * math.sin(a), 1)
         for k in range(sized(12, 1))
@@ -61,7 +66,10 @@ def scenarios() -> dict[str, list[Scenario]]:
 
 
 def measure_engine(engine: str, repeats: int = 5) -> EngineFigures:
-    """Solve all scenarios `repeats` times; the pass with the median time per QP counts."""
+    """Solve all scenarios `repeats` times.
+
+    The pass with the median time per QP counts.
+    """
     solver = TurnRateQp(n=N, engine=engine)
     qp, groups = template(N, 1, False, engine), scenarios()
     inner = qp.solve
@@ -116,7 +124,10 @@ def measure_engine(engine: str, repeats: int = 5) -> EngineFigures:
 
 
 def measure() -> Iterable[Measurement]:
-    """Every engine; OSQP and HiGHS, which take tens of times longer, in one pass."""
+    """Measure every engine.
+
+    OSQP and HiGHS, which take tens of times longer, are measured in one pass.
+    """
     for engine in names(QP):
         quick = engine in ("piqp", "clarabel")
         found = measure_engine(engine, sized(5, 1) if quick else 1)

@@ -1,4 +1,6 @@
-"""Make the frozen problems: those of `turn-rate-qp` along 50 routes, and two families.
+"""Make the frozen problems of the convex engines.
+
+They are those of `turn-rate-qp` along 50 routes, and two families.
 
 Three families, each of three sizes; docs/convex.md has the mathematics:
 
@@ -62,7 +64,10 @@ Points = list[tuple[float, float]]
 
 
 def routes() -> dict[str, Scenario]:
-    """50 routes from (0, 0, 0), by name: their layout and number of legs; lengths in radii."""
+    """50 routes from (0, 0, 0), by name.
+
+    A name has the layout and the number of legs. Lengths are in radii.
+    """
     named = {}
     for legs in LEGS:
         random = np.random.default_rng([2026, legs])
@@ -84,7 +89,10 @@ def _random(random: np.random.Generator, legs: int) -> Points:
 
 
 def _nearest_first(points: FloatArray) -> Points:
-    """Each time the nearest point that is left; a tour's usual first guess."""
+    """Order by the nearest point that is left.
+
+    It is a tour's usual first guess.
+    """
     left = list(map(tuple, points.tolist()))
     here: tuple[float, float] = (0.0, 0.0)
     order = []
@@ -96,7 +104,10 @@ def _nearest_first(points: FloatArray) -> Points:
 
 
 def _rows(legs: int) -> Points:
-    """Rows of a survey, 12 radii long and 2.5 apart, driven to and fro."""
+    """Rows of a survey, driven to and fro.
+
+    They are 12 radii long and 2.5 apart.
+    """
     ends = [(2.0, 14.0), (14.0, 2.0)]
     return [(ends[k // 2 % 2][k % 2], 2.5 * (k // 2)) for k in range(legs)]
 
@@ -107,7 +118,10 @@ def _scenario(points: Points) -> Scenario:
 
 
 class Step(NamedTuple):
-    """A QP that `turn-rate-qp` solves: its numbers, and what they were taken from."""
+    """A QP that `turn-rate-qp` solves.
+
+    It has its numbers, and what they were taken from.
+    """
 
     numbers: Numbers
     rolled: Rollout
@@ -115,7 +129,10 @@ class Step(NamedTuple):
 
 
 def sequence(route: Scenario, n: int) -> tuple[list[Step], Path | None]:
-    """All QPs that `turn-rate-qp` with n steps a leg solves for a route, and the path it finds."""
+    """All QPs of one route, and the path.
+
+    `turn-rate-qp` solves them with n steps a leg.
+    """
     steps: list[Step] = []
     running: list[QpSequence] = []
     ask, solve = QpSequence._ask, QpTemplate.solve
@@ -135,9 +152,10 @@ def sequence(route: Scenario, n: int) -> tuple[list[Step], Path | None]:
 
 
 def positions(step: Step, parts: FloatArray) -> csr_array:
-    """How points of the legs move, x and y in turn, in mean legs: columns z, then t.
+    """Moves of points of the legs.
 
-    A point is the end of so many steps of its leg; `parts` has their numbers.
+    Rows are x and y in turn, in mean legs; columns are z, then t. A point is the end of so many
+    steps of its leg; `parts` has their numbers.
     """
     legs = step.numbers.w.size
     N = step.numbers.c.size
@@ -156,7 +174,10 @@ def positions(step: Step, parts: FloatArray) -> csr_array:
 
 
 def rates(step: Step) -> tuple[csr_array, FloatArray]:
-    """Rows in z and t, and their upper ends: turn rates within 1 / radius, in that unit."""
+    """Rows of the turn rates, and their upper ends.
+
+    Columns are z and t. Rates are within 1 / radius, in that unit.
+    """
     numbers = step.numbers
     N, legs = numbers.c.size, numbers.w.size
     turn = diags_array([1 / numbers.upper, -1 / numbers.upper[1:]], offsets=[0, -1], shape=(N, N))
@@ -167,7 +188,10 @@ def rates(step: Step) -> tuple[csr_array, FloatArray]:
 
 
 def nearest(step: Step, ends: csr_array, missing: FloatArray) -> tuple[FloatArray, float]:
-    """The step (z, t) with the least largest miss in a part of the trust region, and that miss."""
+    """The best step in the trust region.
+
+    The step (z, t) has the least largest miss in a part of the region. That miss comes with it.
+    """
     A, high = rates(step)
     ones = np.ones((missing.size, 1))
     rows = block_array([[A, None], [ends, -ones], [-ends, -ones]])
@@ -186,7 +210,10 @@ def trust(step: Step) -> FloatArray:
 
 
 def box_qp(step: Step) -> Problem:
-    """The QP of a step: its legs end in boxes around their points."""
+    """The QP of a step.
+
+    Its legs end in boxes around their points.
+    """
     N, legs = step.numbers.c.size, step.numbers.w.size
     ends, missing = positions(step, [N // legs]), step.numbers.r.T.ravel()
     _, miss = nearest(step, ends, missing)
@@ -195,9 +222,10 @@ def box_qp(step: Step) -> Problem:
 
 
 def tube(step: Step) -> Problem:
-    """The SOCP of a step: discs around the points, and around the quarters of the present legs.
+    """The SOCP of a step.
 
-    Each leg's changes of headings lie in a ball, too.
+    Its legs end in discs around the points, and so do the quarters of the present legs. Each leg's
+    changes of headings lie in a ball, too.
     """
     N, legs = step.numbers.c.size, step.numbers.w.size
     n = N // legs
@@ -220,7 +248,10 @@ def tube(step: Step) -> Problem:
 def _step_problem(
     step: Step, moves: csr_array, missing: FloatArray, width: FloatArray, balls: Sequence[Any]
 ) -> Problem:
-    """Length and curvature over z, t and s, where s are the points' places off their centres."""
+    """Length and curvature over z, t and s.
+
+    s are the points' places off their centres.
+    """
     numbers = step.numbers
     N, legs, k = numbers.c.size, numbers.w.size, width.size
     A, high = rates(step)
@@ -248,7 +279,9 @@ def _step_problem(
 
 
 def fastest(path: Path) -> Problem:
-    """The fastest drive along a path: squared speeds b, their roots c, 1 / speeds d, accelerations.
+    """The fastest drive along a path.
+
+    Variables are squared speeds b, their roots c, 1 / speeds d, and accelerations.
 
     Between the N + 1 ends of the steps b is linear. Each speed is in units of that at which a turn
     by the radius takes the largest acceleration to the side; the cost is the time over that of this
@@ -305,7 +338,10 @@ def _sorted(matrix: Any) -> csr_array:
 
 
 def best_drive(bare: Problem) -> Point:
-    """The solution of `fastest`: at each place the largest speed that both ends allow."""
+    """The solution of `fastest`.
+
+    At each place it has the largest speed that both ends allow.
+    """
     N = bare.l.size
     top, cost = bare.ub[: N + 1], bare.q[2 * N + 2 : 3 * N + 2]
     lengths = 0.5 / bare.A.data.reshape(N, 3)[:, 1]
@@ -337,7 +373,10 @@ def best_drive(bare: Problem) -> Point:
 
 
 def witnessed(bare: Problem, *known: Point) -> Problem:
-    """The problem with a cheap interior, and the tightest interval of engines' and known points."""
+    """The problem with its tightest interval.
+
+    It gets a cheap interior; the interval is that of engines' and known points.
+    """
     engines = ("clarabel", "ecos") if bare.cones.size else ("clarabel", "piqp")
     points = list(known)
     for engine in engines:
@@ -355,7 +394,9 @@ def witnessed(bare: Problem, *known: Point) -> Problem:
 
 
 def interior(bare: Problem) -> FloatArray:
-    """The optimum of the problem whose rows, bounds and cones are tightened, all by as much.
+    """Optimum of the problem with everything tightened.
+
+    Rows, bounds and cones are tightened by as much.
 
     On the way to it a point becomes feasible at about the least cost: its violation times the sum
     of the multipliers.
@@ -376,7 +417,7 @@ def interior(bare: Problem) -> FloatArray:
 
 
 class Frozen(NamedTuple):
-    """A problem, its name, and the route that it comes from."""
+    """A problem, its name, and its route."""
 
     name: str
     route: Scenario
@@ -413,7 +454,10 @@ def _evenly(items: list[Any], number: int, shift: float) -> list[Any]:
 
 
 def trivial() -> Problem:
-    """x^2 / 2 - x over [0, 1], with a row that does not bind: what any call takes."""
+    """A trivial problem: the time of any call.
+
+    It is x^2 / 2 - x over [0, 1], with a row that does not bind.
+    """
     one, none = np.ones(1), np.zeros(0)
     return Problem(
         *(one, -one, csr_array([[1.0]]), -2 * one, 2 * one, 0 * one, one, csr_array((0, 1))),
@@ -422,7 +466,10 @@ def trivial() -> Problem:
 
 
 def write(problem: Problem, file: FilePath) -> str:
-    """Write a problem as a compressed .npz file, and return the SHA-256 of its bytes."""
+    """Write a problem as a compressed .npz file.
+
+    Returns the SHA-256 of its bytes.
+    """
     arrays: dict[str, Any] = {}
     for each in fields(problem):
         value = getattr(problem, each.name)
@@ -435,7 +482,10 @@ def write(problem: Problem, file: FilePath) -> str:
 
 
 def main() -> None:
-    """Write all files and the list of them, and print the intervals."""
+    """Write all files and their list.
+
+    The intervals are printed.
+    """
     folder = FilePath(problem.__file__).with_name("problems")
     listed = {"trivial": {"sha256": write(trivial(), folder / "trivial.npz")}}
     for size in WANTED:

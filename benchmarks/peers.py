@@ -17,16 +17,20 @@ NO_OMPL = "ompl is not installed: pip install 'dubins-study[peers]'"
 
 
 def random_frame(n: int, seed: int = 0) -> pd.DataFrame:
-    """n scenarios in a square of ten length units, radii 0.5 to 2: a tenth lie in a disc."""
+    """n scenarios in a square of ten length units.
+
+    Radii are 0.5 to 2; a tenth lie in a disc.
+    """
     rng = np.random.default_rng(seed)
     low, high = (-5, -5, -6, -5, -5, 0.5), (5, 5, 6, 5, 5, 2)
     return pd.DataFrame({k: rng.uniform(a, b, n) for k, a, b in zip(NAMES, low, high, strict=True)})
 
 
 def ompl_distances() -> Callable[[], object] | None:
-    """`DubinsStateSpace.distance()` called from Python `CALLS` times, on poses made before.
+    """Time of OMPL's distances called from Python.
 
-    It answers an easier question, since the final heading is given. None without OMPL.
+    `DubinsStateSpace.distance()` is called `CALLS` times, on poses made before. It answers an
+    easier question, since the final heading is given. None without OMPL.
     """
     if find_spec("ompl") is None:
         return None

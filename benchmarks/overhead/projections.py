@@ -1,4 +1,7 @@
-"""qpbenchmark's side: the point nearest to a target, one quadratic program a cell."""
+"""qpbenchmark's side: quadratic programs.
+
+Each cell is one program: the point nearest to a target.
+"""
 
 from __future__ import annotations
 
@@ -29,7 +32,7 @@ SolverSettings.IMPLEMENTED_SOLVERS.add("trivial")
 
 
 class Projections(TestSet):
-    """min |z|^2 / 2 - target . z over the plane, for every target."""
+    """Minimise |z|^2 / 2 - target . z; every target."""
 
     description = title = "projections"
     sparse_only = False

@@ -1,4 +1,7 @@
-"""Numbers of the committed benchmark, counted at build time by the functions of the report."""
+"""Numbers of the committed benchmark.
+
+They are counted at build time by the functions of the report.
+"""
 
 from __future__ import annotations
 
@@ -33,7 +36,7 @@ def _results() -> Results:
 
 @cache
 def _methods() -> pd.DataFrame:
-    """One row per method that was asked questions with a path."""
+    """One row per method that was asked solvable questions."""
     methods = solver_summary(_results().attempts)
     return methods[methods["right_of"] > 0].reset_index(drop=True)
 
@@ -51,13 +54,19 @@ def _of(key: str, value: str) -> pd.DataFrame:
 
 
 def formulation(name: str) -> str:
-    """The engines of a formulation, each with its most reliable guess and settings."""
+    """The engines of a formulation.
+
+    Each has its most reliable guess and settings.
+    """
     best = best_methods(_of("formulation", name), ["engine"])
     return _share_table(best.sort_values("right_low", ascending=False, kind="stable"))
 
 
 def family(kind: str) -> str:
-    """Engines of a family by the formulations that they were asked: share right, median time."""
+    """Engines of a family by formulation.
+
+    Each has its share of right answers and its median time.
+    """
     entries = [entry for folder in _results().folders for entry in folder.manifest.matrix]
     cells = matrix(_methods(), entries)
     chosen = cells[(cells["kind"] == kind) & cells["filled"]]
@@ -92,7 +101,10 @@ def _share_table(methods: pd.DataFrame) -> str:
 
 
 def formulations() -> str:
-    """The best-supported method of each formulation, and the spread of its engines."""
+    """The best-supported method of each formulation.
+
+    The spread of its engines stands beside it.
+    """
     rows, measured = [], set(_methods()["formulation"])
     for name in filter(measured.__contains__, FORMULATIONS):
         engines = best_methods(_of("formulation", name), ["engine"])
@@ -122,7 +134,10 @@ def formulations() -> str:
 
 
 def by_stratum(name: str) -> str:
-    """Where a formulation fails: right answers of its most reliable method, stratum by stratum."""
+    """Right answers of a formulation, by stratum.
+
+    They are those of its most reliable method, and show where the formulation fails.
+    """
     methods = best_methods(_of("formulation", name), ["formulation"])
     best = methods.to_dict("records")[0]
     shares = _strata()[_strata()["solver"] == best["solver"]]
@@ -146,7 +161,10 @@ def _evidence() -> Evidence:
 
 
 def finding(name: str) -> str:
-    """One sentence of the page's findings, by the name of the function that computes it."""
+    """One sentence of the page's findings.
+
+    It is named by the function that computes it.
+    """
     found = getattr(findings, name)(_evidence())
     if found is None:
         raise LookupError("the rows do not carry this finding any more; drop it from the page")
@@ -168,7 +186,10 @@ def all_findings() -> str:
 
 
 def decision() -> str:
-    """Where engines err and where they stop, formulation by formulation."""
+    """Where engines err and where they stop.
+
+    One line per formulation.
+    """
     section = decision_section(_whole())
     if section is None or not section.blocks:
         raise LookupError("the rows of the benchmark carry no table of formulations")

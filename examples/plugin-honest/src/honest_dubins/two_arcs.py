@@ -1,4 +1,7 @@
-"""Paths of two pieces, each the root of two equations in two unknowns."""
+"""Paths of two pieces by root finding.
+
+Each is the root of two equations in two unknowns.
+"""
 
 from __future__ import annotations
 
@@ -40,7 +43,10 @@ class TwoArcs(Solver):
             raise ValueError(f"guesses is {self.guesses}; expected 1 or more")
 
     def solve(self, question: Question, limit: float) -> Solution:
-        """The shortest of all roots; LIMIT if not all guesses were tried in time."""
+        """The shortest of all roots.
+
+        LIMIT if not all guesses were tried in time.
+        """
         end = perf_counter() + limit
         words = WORDS if question.branch == "best" else (question.branch,)
         best, claim, tried = None, Claim.LOCAL, 0
