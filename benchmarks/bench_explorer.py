@@ -176,7 +176,8 @@ def _places(box: dict[str, float], disc: dict[str, float]) -> Iterator[tuple[flo
     left turning circle, or of a route one around its second via point.
     """
     chance = random.Random(1)
-    (cx, cy), r = _middle(disc), disc["width"] / 2
+    cx, cy = _middle(disc)
+    r = disc["width"] / 2
     x = y = 0.0
     for move in range(MOVES):
         if move % 3 == 0:
@@ -185,7 +186,8 @@ def _places(box: dict[str, float], disc: dict[str, float]) -> Iterator[tuple[flo
         elif move % 3 == 1:
             x, y = x + chance.uniform(-9, 9), y + chance.uniform(-9, 9)
         else:
-            angle, off = chance.uniform(0, 2 * math.pi), chance.uniform(-2, 2)
+            angle = chance.uniform(0, 2 * math.pi)
+            off = chance.uniform(-2, 2)
             x, y = cx + (r + off) * math.cos(angle), cy + (r + off) * math.sin(angle)
         yield x, y
 

@@ -53,7 +53,8 @@ def measure() -> Iterable[Measurement]:
 
 def _proofs(what: str, scenarios: Iterable[Scenario], target: float | None) -> Measurement:
     solver = load("disjunctive")
-    seconds, proven = [], 0
+    seconds = []
+    proven = 0
     for scenario in scenarios:
         least, solution = _least(solver, scenario, sized(3, 1))
         seconds.append(least)

@@ -43,7 +43,8 @@ def questions() -> list[Question]:
     LS and RS are solved from their first start there.
     """
     rng = np.random.default_rng(0)
-    distance, bearing = 10 ** rng.uniform(0.7, 2, N), rng.uniform(-math.pi, math.pi, N)
+    distance = 10 ** rng.uniform(0.7, 2, N)
+    bearing = rng.uniform(-math.pi, math.pi, N)
     return [
         Question(Scenario(0, 0, 0, d * math.cos(b), d * math.sin(b), 1))
         for d, b in zip(distance, bearing, strict=True)
@@ -110,8 +111,11 @@ def ipopt_by_hand(work: list[Job], solver: Any) -> None:
 
 def casadi_solver() -> Any:
     """Model (4.12) in casadi, with the target as parameter."""
-    z, p = casadi.SX.sym("z", 3), casadi.SX.sym("p", 2)
-    z1, th, z3 = z[0], z[0] - z[1], z[2]
+    z = casadi.SX.sym("z", 3)
+    p = casadi.SX.sym("p", 2)
+    z1 = z[0]
+    th = z[0] - z[1]
+    z3 = z[2]
     x_end = 2 * casadi.sin(z1) - casadi.sin(th) + z3 * casadi.cos(th)
     y_end = 1 - 2 * casadi.cos(z1) + casadi.cos(th) + z3 * casadi.sin(th)
     nlp = {

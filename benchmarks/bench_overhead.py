@@ -27,7 +27,9 @@ from tempfile import TemporaryDirectory
 from benchmarks.harness import Measurement, absent, sized
 from benchmarks.overhead.harnesses import HARNESSES, Spent
 
-FEW, MANY, ROUNDS = sized(200, 2), sized(1200, 5), sized(3, 1)
+FEW = sized(200, 2)
+MANY = sized(1200, 5)
+ROUNDS = sized(3, 1)
 LONG = (
     sized(2000, 2),
     sized(8000, 5),

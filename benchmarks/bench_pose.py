@@ -47,14 +47,17 @@ def measure() -> Iterable[Measurement]:
 
 
 def _measure() -> Iterable[Measurement]:
-    legs, out, theirs = random_legs(N), Rows.empty(3, N), np.empty(N)
+    legs = random_legs(N)
+    out = Rows.empty(3, N)
+    theirs = np.empty(N)
     few = PoseArrays(*(column[:PAIRS] for column in legs))
     frame = pd.DataFrame(legs._asdict())
 
     def kernel() -> None:
         pose_rows(*legs, out=out)
 
-    ompl, dubins = _ompl_lengths(few), _dubins_lengths()
+    ompl = _ompl_lengths(few)
+    dubins = _dubins_lengths()
     functions: dict[str, Callable[[], object]] = {"kernel": kernel}
     functions["frame"] = lambda: solve_frame(frame)
     calls = {"OMPL distance()": CALLS, "the C code of dubins": N}
@@ -124,7 +127,8 @@ def _agreement(name: str, legs: PoseArrays, ours: FloatArray, theirs: FloatArray
     Also: of how many of them a proven interval does not side with us alone.
     """
     other = np.flatnonzero(~(np.abs(theirs - ours) <= ALIKE * np.maximum(ours, 1.0)))
-    worst, unexplained = 0.0, 0
+    worst = 0.0
+    unexplained = 0
     for i in other.tolist():
         proven = enclose_pose(*_poses(legs, i))
         unexplained += not proven.holds(ours[i], 0.0) or proven.holds(theirs[i], 0.0)
@@ -194,11 +198,13 @@ def _dubins_lengths() -> Lengths | None:
         flags = ["-O2", "-shared", "-fPIC", "-I", source.parents[1] / "include", "-o", library]
         subprocess.run([compiler, *flags, source, "-lm"], check=True)
         loaded = ctypes.CDLL(str(library))
-    shortest, length = loaded.dubins_shortest_path, loaded.dubins_path_length
+    shortest = loaded.dubins_shortest_path
+    length = loaded.dubins_path_length
     pointer = ctypes.c_void_p
     shortest.argtypes = (pointer, pointer, pointer, ctypes.c_double)
     shortest.restype = ctypes.c_int
-    length.argtypes, length.restype = (pointer,), ctypes.c_double
+    length.argtypes = (pointer,)
+    length.restype = ctypes.c_double
 
     @numba.njit  # type: ignore[untyped-decorator]
     def every(legs: PoseArrays, out: FloatArray) -> None:

@@ -40,7 +40,8 @@ def random_route(rng: np.random.Generator, legs: int, least: float, most: float)
 
     Directions and lengths of its legs (radii) are drawn uniformly.
     """
-    direction, length = rng.uniform(-math.pi, math.pi, legs), rng.uniform(least, most, legs)
+    direction = rng.uniform(-math.pi, math.pi, legs)
+    length = rng.uniform(least, most, legs)
     steps = length[:, None] * np.stack([np.cos(direction), np.sin(direction)], axis=1)
     return np.vstack([[0.0, 0.0], np.cumsum(steps, axis=0)])
 

@@ -180,14 +180,16 @@ def euclidean_order(stops: Stops) -> list[int]:
     starts = np.hypot(*stops.points.T)
     ends = np.hypot(*(stops.points - np.array(stops.target)).T)
     rng = np.random.default_rng(0)
-    best, shortest = [0], math.inf
+    best = [0]
+    shortest = math.inf
     for _ in range(10):
         order = rng.permutation(n)
         before = math.inf
         while (length := better_order(order, np.arange(n + 1), apart, starts, ends)) < before:
             before = length
         if length < shortest:
-            best, shortest = order.tolist(), length
+            best = order.tolist()
+            shortest = length
     return best
 
 

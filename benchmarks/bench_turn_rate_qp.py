@@ -71,7 +71,8 @@ def measure_engine(engine: str, repeats: int = 5) -> EngineFigures:
     The pass with the median time per QP counts.
     """
     solver = TurnRateQp(n=N, engine=engine)
-    qp, groups = template(N, 1, False, engine), scenarios()
+    qp = template(N, 1, False, engine)
+    groups = scenarios()
     inner = qp.solve
     reported: list[float] = []
     asked: list[float] = []

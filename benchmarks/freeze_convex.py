@@ -51,7 +51,9 @@ WANTED = {
     5000: {"qp": 12, "tube": 4, "time": 4},
 }
 _LEAST_STEPS, _MOST_STEPS = 5, 2000  # of a leg
-_BEGINNINGS, _EVERY = 6, 12  # sequences are entered at one of six QPs, then at every twelfth
+# sequences are entered at one of six QPs, then at every twelfth
+_BEGINNINGS = 6
+_EVERY = 12
 _MARGINS = (1e-5, 1e-6, 1e-7)  # by which all holds at the interior, the first that can be
 _PART = 0.8  # of the trust region, which the nearest step may use (Nocedal and Wright, sec. 18.5)
 _EASE = 1.25  # boxes and discs are a quarter larger than the nearest step needs
@@ -135,7 +137,8 @@ def sequence(route: Scenario, n: int) -> tuple[list[Step], Path | None]:
     """
     steps: list[Step] = []
     running: list[QpSequence] = []
-    ask, solve = QpSequence._ask, QpTemplate.solve
+    ask = QpSequence._ask
+    solve = QpTemplate.solve
 
     def noted(self: QpSequence) -> Any:
         running[:] = [self]
@@ -179,7 +182,8 @@ def rates(step: Step) -> tuple[csr_array, FloatArray]:
     Columns are z and t. Rates are within 1 / radius, in that unit.
     """
     numbers = step.numbers
-    N, legs = numbers.c.size, numbers.w.size
+    N = numbers.c.size
+    legs = numbers.w.size
     turn = diags_array([1 / numbers.upper, -1 / numbers.upper[1:]], offsets=[0, -1], shape=(N, N))
     stretched = kron(eye_array(legs), np.ones((N // legs, 1)))
     rows = block_array([[turn, -stretched], [-turn, -stretched]])
@@ -205,7 +209,8 @@ def nearest(step: Step, ends: csr_array, missing: FloatArray) -> tuple[FloatArra
 def trust(step: Step) -> FloatArray:
     """The largest changes of headings and lengths."""
     numbers = step.numbers
-    reach, stretch = numbers.reach[0], numbers.stretch[0]
+    reach = numbers.reach[0]
+    stretch = numbers.stretch[0]
     return np.repeat((reach, stretch), (numbers.c.size, numbers.w.size))
 
 
@@ -214,8 +219,10 @@ def box_qp(step: Step) -> Problem:
 
     Its legs end in boxes around their points.
     """
-    N, legs = step.numbers.c.size, step.numbers.w.size
-    ends, missing = positions(step, [N // legs]), step.numbers.r.T.ravel()
+    N = step.numbers.c.size
+    legs = step.numbers.w.size
+    ends = positions(step, [N // legs])
+    missing = step.numbers.r.T.ravel()
     _, miss = nearest(step, ends, missing)
     width = max(_EASE * miss, _LEAST_WIDTH)
     return _step_problem(step, ends, missing, np.full(2 * legs, width), [])
@@ -227,7 +234,8 @@ def tube(step: Step) -> Problem:
     Its legs end in discs around the points, and so do the quarters of the present legs. Each leg's
     changes of headings lie in a ball, too.
     """
-    N, legs = step.numbers.c.size, step.numbers.w.size
+    N = step.numbers.c.size
+    legs = step.numbers.w.size
     n = N // legs
     parts = [n // 4, n // 2, 3 * n // 4, n]
     missing = np.zeros((legs, 4, 2))
@@ -253,7 +261,9 @@ def _step_problem(
     s are the points' places off their centres.
     """
     numbers = step.numbers
-    N, legs, k = numbers.c.size, numbers.w.size, width.size
+    N = numbers.c.size
+    legs = numbers.w.size
+    k = width.size
     A, high = rates(step)
     box = np.concatenate((trust(step), width))
     sizes = np.array([1 + columns.size for _, columns in balls], dtype=int)
@@ -288,7 +298,8 @@ def fastest(path: Path) -> Problem:
     speed.
     """
     some = path.lengths > 1e-9
-    length, bend = path.lengths[some], np.abs(path.curvatures[some])
+    length = path.lengths[some]
+    bend = np.abs(path.curvatures[some])
     N = length.size
     sharp = np.maximum(np.append(bend, 0.0), np.append(0.0, bend))
     top = np.minimum(_TOP, 1 / np.maximum(sharp, 1 / _TOP))
@@ -297,7 +308,8 @@ def fastest(path: Path) -> Problem:
     rise = diags_array([-ones, ones], offsets=[0, 1], shape=(N, N + 1))
     both = diags_array([ones, ones], offsets=[0, 1], shape=(N, N + 1))
     A = block_array([[diags_array(0.5 / length) @ rise, csr_array((N, 2 * N + 1)), -eye_array(N)]])
-    unit, each = eye_array(N + 1), eye_array(N)
+    unit = eye_array(N + 1)
+    each = eye_array(N)
     no_b, no_d = csr_array((N, N + 1)), csr_array((N + 1, N))
     C = block_array(
         [
@@ -343,7 +355,8 @@ def best_drive(bare: Problem) -> Point:
     At each place it has the largest speed that both ends allow.
     """
     N = bare.l.size
-    top, cost = bare.ub[: N + 1], bare.q[2 * N + 2 : 3 * N + 2]
+    top = bare.ub[: N + 1]
+    cost = bare.q[2 * N + 2 : 3 * N + 2]
     lengths = 0.5 / bare.A.data.reshape(N, 3)[:, 1]
     b = top.copy()
     for k in range(N):
@@ -382,14 +395,18 @@ def witnessed(bare: Problem, *known: Point) -> Problem:
     for engine in engines:
         solve = prepare(engine, "own", bare)
         points += [solve(Ask(10.0**-digits, 60.0)).point for digits in range(9, 14)]
-    best, high, low = replace(bare, interior=interior(bare)), np.inf, -np.inf
+    best = replace(bare, interior=interior(bare))
+    high = np.inf
+    low = -np.inf
     for point in points:
         if point is None:
             continue
         if (value := upper_bound(best, point.x)) < high:
-            high, best = value, replace(best, x=point.x)
+            high = value
+            best = replace(best, x=point.x)
         if (value := lower_bound(best, point)) > low:
-            low, best = value, replace(best, y=point.y, z=point.z, w=point.w)
+            low = value
+            best = replace(best, y=point.y, z=point.z, w=point.w)
     return best
 
 
@@ -429,7 +446,8 @@ def chosen(size: int) -> Iterator[Frozen]:
 
     Of each sequence every 12th QP counts; of all of them as many are taken as are wanted, evenly.
     """
-    steps, paths = [], []
+    steps = []
+    paths = []
     for place, (name, route) in enumerate(routes().items()):
         legs = len(route.via) + 1
         if not _LEAST_STEPS <= size // legs <= _MOST_STEPS:

@@ -11,7 +11,9 @@ import pandas as pd
 from benchmarks.harness import sized
 
 NAMES = ("x", "y", "heading", "target_x", "target_y", "radius")
-PAIRS, ROUNDS = 1_000, sized(20, 1)  # few enough that OMPL finds its states in the cache
+# few enough that OMPL finds its states in the cache
+PAIRS = 1_000
+ROUNDS = sized(20, 1)
 CALLS = PAIRS * ROUNDS  # of OMPL, in one timing
 NO_OMPL = "ompl is not installed: pip install 'dubins-study[peers]'"
 

@@ -214,7 +214,8 @@ def grids(rows: pd.DataFrame, page: str) -> Iterator[Number]:
 
 def main(arguments: list[str]) -> int:
     """Print every number twice; 1 if two differ."""
-    results, report = Path(arguments[0]), Path(arguments[1])
+    results = Path(arguments[0])
+    report = Path(arguments[1])
     rows: Any = read(results)
     page = (report / "index.html").read_text(encoding="utf-8")
     paths = rows[rows["suite"] != TOURS]

@@ -23,7 +23,9 @@ from dubins_study.study.tour.stops import Stops
 NO_DEAP = "deap is not installed"
 _PEOPLE = 200
 _GENERATIONS = sized(300, 20)
-_CROSSED, _CHANGED = 0.8, 0.3  # shares of a generation
+# shares of a generation
+_CROSSED = 0.8
+_CHANGED = 0.3
 _RIVALS = 3
 _SEED = 34
 

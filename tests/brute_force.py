@@ -95,8 +95,11 @@ def _to_pose(word: str, X: float, Y: float, heading: float) -> float:
                 continue
             rest = last * (heading - t) % (2 * math.pi)
         else:
-            x2, y2 = 2 * math.sin(t), 1 - 2 * math.cos(t)  # of the middle circle
-            begin, end = math.atan2(1 - y2, -x2), math.atan2(y - y2, x - x2)
+            # of the middle circle
+            x2 = 2 * math.sin(t)
+            y2 = 1 - 2 * math.cos(t)
+            begin = math.atan2(1 - y2, -x2)
+            end = math.atan2(y - y2, x - x2)
             middle = (begin - end) % (2 * math.pi)
             if middle < math.pi:
                 continue

@@ -141,5 +141,6 @@ def driven(pose: Triple, turn: Any, length: Any) -> Triple:
     A pose is (x, y, heading). The curvature `turn` may be 0. Arrays are allowed.
     """
     x, y, heading = pose
-    middle, chord = heading + turn * length / 2, length * np.sinc(turn * length / (2 * math.pi))
+    middle = heading + turn * length / 2
+    chord = length * np.sinc(turn * length / (2 * math.pi))
     return x + chord * np.cos(middle), y + chord * np.sin(middle), heading + turn * length

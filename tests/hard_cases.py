@@ -84,7 +84,8 @@ def _hard_pose(rng: np.random.Generator, row: int) -> dict[str, float]:
         x, y, heading = np.array([x, y, heading]) + rng.choice([-1, 0, 1], 3) * 10 ** rng.uniform(
             -16, -2, 3
         )
-    R, start = 10 ** rng.uniform(-3, 3), rng.uniform(-math.pi, math.pi) * (row % 5 > 0)
+    R = 10 ** rng.uniform(-3, 3)
+    start = rng.uniform(-math.pi, math.pi) * (row % 5 > 0)
     x0, y0 = rng.uniform(-5, 5, 2) * R * (row % 2)
     leg = placed(x, y, x0, y0, start, R)
     fields = ("x", "y", "heading", "target_x", "target_y", "radius")

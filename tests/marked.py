@@ -60,7 +60,8 @@ def wait_until_handled(pid: int, number: signal.Signals, seconds: float = 60.0) 
 
     Two signals at once would count as one.
     """
-    fields, give_up = {}, time.monotonic() + seconds
+    fields = {}
+    give_up = time.monotonic() + seconds
     while time.monotonic() < give_up:
         time.sleep(
             0.3

@@ -88,7 +88,8 @@ def in_process(cells: int, folder: FilePath) -> Spent:
     file = _experiment(cells, folder)
     began = perf_counter()
     groups = plan_run(Request(file, solvers=[_SOLVER])).chains
-    solver, shared = load(_SOLVER), RunSettings("in-process", 60.0)
+    solver = load(_SOLVER)
+    shared = RunSettings("in-process", 60.0)
     answers = [ask(solver, group[0].question()) for group in groups]
     rows = [
         row_of(group[0], group[0].question(), shared, a)

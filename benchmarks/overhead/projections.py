@@ -20,7 +20,8 @@ from benchmarks.overhead.trivial import TARGET_Y, question, solved, targets
 def _solve(problem: Problem, **_: object) -> qpsolvers.Solution:
     path = solved(question(-float(problem.q[0])))
     solution = qpsolvers.Solution(problem)
-    solution.found, solution.x = True, np.array(path.end[:2])
+    solution.found = True
+    solution.x = np.array(path.end[:2])
     solution.y = solution.z = solution.z_box = np.empty(0)
     return solution
 

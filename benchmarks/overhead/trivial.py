@@ -11,7 +11,10 @@ from dubins_study.study.path import Path
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.words import BRANCHES, Claim
 
-HEADING, TARGET_Y, FIRST, LAST = 0.3, 3.0, 2.0, 10.0
+HEADING = 0.3
+TARGET_Y = 3.0
+FIRST = 2.0
+LAST = 10.0
 
 
 def question(target_x: float) -> Scenario:

@@ -105,7 +105,8 @@ def formulations() -> str:
 
     The spread of its engines stands beside it.
     """
-    rows, measured = [], set(_methods()["formulation"])
+    rows = []
+    measured = set(_methods()["formulation"])
     for name in filter(measured.__contains__, FORMULATIONS):
         engines = best_methods(_of("formulation", name), ["engine"])
         best = best_methods(engines, ["formulation"]).to_dict("records")[0]

@@ -33,7 +33,8 @@ SOURCES = (
 class Generated(SphinxDirective):
     """Markdown of one function of `SOURCES`."""
 
-    required_arguments, has_content = 1, True
+    required_arguments = 1
+    has_content = True
     final_argument_whitespace = True
 
     def run(self) -> list[nodes.Node]:

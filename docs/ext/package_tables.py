@@ -54,8 +54,10 @@ def settings_table(argument: str) -> str:
     those of one solver that another one lacks or begins otherwise.
     """
     spec, _, other = argument.partition(" without ")
-    solver, shared = load(spec), settings(load(other)) if other else {}
-    meanings, profiles = setting_meanings(type(solver)), type(solver).profiles
+    solver = load(spec)
+    shared = settings(load(other)) if other else {}
+    meanings = setting_meanings(type(solver))
+    profiles = type(solver).profiles
     rows = []
     for name, value in settings(solver).items():
         if name in shared and shared[name] == value:
@@ -144,7 +146,8 @@ def options_table(kind: str) -> str:
     """
     rows = []
     for name in _ENGINE_KINDS[kind]:
-        options, why = ENGINES[name].options, ENGINES[name].options.why
+        options = ENGINES[name].options
+        why = ENGINES[name].options.why
         equal = {k: v for k, v in options.of("equal").items() if options.always.get(k) != v}
         sets = {
             "every": (options.always, f"{why[:1].upper()}{why[1:]}."),

@@ -50,7 +50,8 @@ def run(seed: int, low: int, high: int) -> Table:
         table.generator, asked = wrong_answer(rng, scenario)
         with ctx.workprec(bits(asked.scenario)):
             checks.answer(table, asked, Truth.of(asked.scenario), rng)
-        length, claim = asked.path.length, CLAIMS[number % len(CLAIMS)]
+        length = asked.path.length
+        claim = CLAIMS[number % len(CLAIMS)]
         bound = rng.choice([None, 1e9, np.inf, length, length * 0.9])
         answers.append(frames.judged(table.generator, *asked, claim, bound))
         answers.append(frames.judged("no path", scenario, "LS", None, claim))
@@ -68,7 +69,8 @@ def main() -> int:
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--workers", type=int, default=os.cpu_count() or 1)
     asked = parser.parse_args()
-    table, began = Table(), perf_counter()
+    table = Table()
+    began = perf_counter()
     work = ((run, asked.cases, BLOCK), (routes.run, asked.routes, _ROUTES))
     with ProcessPoolExecutor(asked.workers) as pool:
         blocks = [

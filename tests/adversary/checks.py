@@ -60,7 +60,8 @@ def closed_form(table: Table, scenario: Scenario, truth: Truth, rng: np.random.G
     off = abs(arb(local(scenario).delta) - truth.delta) / greatest((truth.delta, tiny))
     table.note("delta", float(off) / _EPS, f"local({paste(scenario)}).delta")
     for branch in BRANCHES:
-        optimum, line = shortest(scenario, branch), paste(scenario, branch)
+        optimum = shortest(scenario, branch)
+        line = paste(scenario, branch)
         path = shortest_path(scenario, branch)
         if optimum is None or path is None:
             wrong = truth.exact[branch] is not None
@@ -94,7 +95,8 @@ def _deviation(
     The truth is refined until its set explains the length.
     """
     radius = arb(scenario.radius)
-    unit, value = arb(ulp(length, scenario.radius)) / radius, arb(length) / radius
+    unit = arb(ulp(length, scenario.radius)) / radius
+    value = arb(length) / radius
     exact = truth.exact[branch]
     far = arb("inf") if exact is None else abs(value - exact)
     if not far <= 4 * unit and truth.has(end):
@@ -117,7 +119,8 @@ def enclosures(table: Table, scenario: Scenario, truth: Truth) -> dict[str, tupl
     R = scenario.radius
     sampled = {}
     for branch in BRANCHES:
-        found, line = enclose(scenario, branch), f"enclose({paste(scenario, branch)})"
+        found = enclose(scenario, branch)
+        line = f"enclose({paste(scenario, branch)})"
         known = (member.lengths[branch] for member in truth.members)
         values = [length * arb(R) for length in known if length is not None]
         parts = [(arb(low), arb(high)) for low, high in found.parts]
@@ -177,12 +180,14 @@ def answer(table: Table, asked: Answer, truth: Truth, rng: np.random.Generator) 
     judged = judge(scenario, path, branch=branch)
     certificate = certify(scenario, path, judged, branch)
     line = f"{paste_path(scenario, branch, path)}  # {judged.verdict}, {certificate.proof}"
-    residual, cut = certificate.pmp_residual, certificate.cut_margin
+    residual = certificate.pmp_residual
+    cut = certificate.cut_margin
     if not drivable(path):
         wrong = (judged.verdict, residual, cut) != (Verdict.MISSES, None, None)
         table.note("broken path", wrong, line)
         return
-    end, length = end_of(scenario, path), arb(path.length) / arb(scenario.radius)
+    end = end_of(scenario, path)
+    length = arb(path.length) / arb(scenario.radius)
     arrives = _arrives(asked, truth, end)
     optimal = judged.verdict is Verdict.OPTIMAL
     found = optimal or judged.verdict is Verdict.LONGER
@@ -304,7 +309,8 @@ def _scan(truth: Truth) -> float:
     searched = words_by_search(float(truth.target.real), float(truth.target.imag))
     worst = 0.0
     for word in WORDS:
-        exact, found = truth.exact[word], searched[word]
+        exact = truth.exact[word]
+        found = searched[word]
         if exact is None:
             worst = max(worst, 0.0 if math.isinf(found) else math.inf)
         else:

@@ -131,7 +131,8 @@ def checks_of_frames(table: Table, answers: Sequence[Judged]) -> None:
 
 def _same(table: Table, rows: FrameJudgement, row: int, one: Judged) -> None:
     """Compare one row of a frame with scalar checks."""
-    scenario, found = one.scenario, one.judgement
+    scenario = one.scenario
+    found = one.judgement
     line = paste(scenario, one.branch)
     if one.path is not None:
         line = paste_path(scenario, one.branch, one.path)

@@ -110,7 +110,8 @@ def anywhere(rng: Rng) -> tuple[float, float]:
 
 
 def general(rng: Rng) -> Scenario:
-    r, a = power(rng, -3, 6), rng.uniform(-math.pi, math.pi)
+    r = power(rng, -3, 6)
+    a = rng.uniform(-math.pi, math.pi)
     at = r * math.cos(a), r * math.sin(a)
     return placed(rng, *at, radius=power(rng, -6, 6), box=power(rng, -2, 4))
 
@@ -248,7 +249,8 @@ def _cut_up(rng: Rng, u: Sequence[float], s: Sequence[float]) -> Controls:
 
 
 def _tiny_pieces(rng: Rng, u: Sequence[float], s: Sequence[float]) -> Controls:
-    n, long = int(rng.integers(1, 100)), power(rng, 0, 7)
+    n = int(rng.integers(1, 100))
+    long = power(rng, 0, 7)
     straight = long * power(rng, -9, -5) * rng.choice((0.1, 0.99, 1))
     u, s = [1.0, 0.0] * n, [3.14 / n, straight] * n
     if rng.random() < 0.3:  # turns too small to count, to both sides
@@ -269,7 +271,9 @@ def _two_pieces(rng: Rng, u: Sequence[float], s: Sequence[float]) -> Controls:
 
 
 def _broken(rng: Rng, u: Sequence[float], s: Sequence[float]) -> Controls:
-    rates, lengths = [*u, 1.0][-2:], [*s, 1.0][-2:]  # two, so that a frame takes it too
+    # two, so that a frame takes it too
+    rates = [*u, 1.0][-2:]
+    lengths = [*s, 1.0][-2:]
     bad = float(rng.choice((-4.59, math.nan, math.inf, -1e-12)))
     spoilt = lengths if bad < 0 or rng.random() < 0.5 else rates
     spoilt[int(rng.integers(len(spoilt)))] = bad

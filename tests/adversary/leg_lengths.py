@@ -80,7 +80,8 @@ def _arrivals(x: float, y: float, a: float, found: Array) -> int:
     n = 0
     for s in (1.0, -1.0):
         dx, dy = x + s * math.sin(a), y - s * math.cos(a)
-        apart, way = math.hypot(dx, dy), math.atan2(dy, dx)
+        apart = math.hypot(dx, dy)
+        way = math.atan2(dy, dx)
         if apart >= 1.0:
             found[n] = way + s * math.atan2(1.0, math.sqrt((apart - 1.0) * (apart + 1.0)))
             n += 1
@@ -127,7 +128,8 @@ def downhill(
     """
     n = len(headings)
     best = route_length(legs, headings)
-    tried, found = headings.copy(), np.empty(6)
+    tried = headings.copy()
+    found = np.empty(6)
     step, least = steps
     for _ in range(_ROUNDS):
         before = best
@@ -149,7 +151,8 @@ def downhill(
             j = i + way
             if not 0 <= j < n or not free[j]:
                 continue
-            leg, back = min(i, j), 0.0 if way == 1 else math.pi
+            leg = min(i, j)
+            back = 0.0 if way == 1 else math.pi
             x, y = way * legs[leg, 0], way * legs[leg, 1]
             for k in range(_arrivals(x, y, tried[i] + back, found)):
                 tried[j] = found[k] + back

@@ -22,9 +22,15 @@ from tests.cases import driven, walked
 Array = NDArray[np.float64]
 Rng = np.random.Generator
 
-_FINE, _EACH = 10_000, 20  # headings a turn, and how many of them in each window
-_BEST, _RANDOM = 15, 5  # windows at a point
-_STARTS, _FINISHED = 300, 8  # how many go downhill, and how many of them to the end
+# headings a turn, and how many of them in each window
+_FINE = 10_000
+_EACH = 20
+# windows at a point
+_BEST = 15
+_RANDOM = 5
+# how many go downhill, and how many of them to the end
+_STARTS = 300
+_FINISHED = 8
 _WHOLE = 200  # one route in so many is tried on the whole grid, without windows
 _BOXES = 30_000  # of the search, whose bound has to hold whenever it ends: a quarter of a second
 # the least lengths that were found for 2 000 routes of seed 0
@@ -230,7 +236,8 @@ def tolerated(asked: Asked) -> float:
             left = np.array([-math.sin(heading), math.cos(heading)])
             if min(abs(math.hypot(*(way - turn * left)) - 1.0) for turn in (1.0, -1.0)) > 9 * freed:
                 break
-            heading, freed = 2.0 * math.atan2(way[1], way[0]) - heading, math.sqrt(freed)
+            heading = 2.0 * math.atan2(way[1], way[0]) - heading
+            freed = math.sqrt(freed)
         off = max(off, freed)
     return off if off > _OFF_CIRCLE else TOLERANCE
 

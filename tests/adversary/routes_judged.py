@@ -46,7 +46,8 @@ def scenario_of(seed: int, number: int) -> tuple[str, Scenario]:
         return "final heading", Scenario(**columns)
     kind, (points, first, last) = drawn(number // 4, seed)
     if rng.random() < 0.5:
-        turn, radius = rng.uniform(-math.pi, math.pi), 10 ** rng.uniform(-3, 3)
+        turn = rng.uniform(-math.pi, math.pi)
+        radius = 10 ** rng.uniform(-3, 3)
         spin = np.array([[math.cos(turn), math.sin(turn)], [-math.sin(turn), math.cos(turn)]])
         points = radius * (points @ spin + rng.uniform(-9, 9, 2))
         first, last = first + turn, None if last is None else last + turn
@@ -78,10 +79,8 @@ def off_points(scenario: Scenario, path: Path) -> float:
     dense = np.linspace(0.0, ends[-1], 20 * int(ends[-1] / radius) + 50)
     dense = np.union1d(dense, ends)
     sample = path.at(dense)[:, :2]
-    at, worst = (
-        0.0,
-        float(np.abs(path.curvatures * radius).max(initial=1.0) - 1.0) / TOLERANCES.curvature,
-    )
+    at = 0.0
+    worst = float(np.abs(path.curvatures * radius).max(initial=1.0) - 1.0) / TOLERANCES.curvature
     for x, y in scenario.via:
         away = np.hypot(*(sample - (x, y)).T)
         low = np.flatnonzero(
@@ -98,7 +97,8 @@ def off_points(scenario: Scenario, path: Path) -> float:
             left, right = np.where(nearer, left, one), np.where(nearer, other, right)
         found = _away(path, left, x, y) / (ARRIVES * radius)
         place = int(np.argmax(found <= 1.0)) if (found <= 1.0).any() else int(found.argmin())
-        worst, at = max(worst, float(found[place])), max(at, float(left[place]))
+        worst = max(worst, float(found[place]))
+        at = max(at, float(left[place]))
     end = path.end
     miss = math.hypot(end.x - scenario.target_x, end.y - scenario.target_y)
     worst = max(worst, miss / (ARRIVES * radius))
@@ -120,9 +120,12 @@ def answers(
 
     The best path is also put before other questions.
     """
-    radius, k, s = scenario.radius, path.curvatures, path.lengths
+    radius = scenario.radius
+    k = path.curvatures
+    s = path.lengths
     off = float(rng.choice([1e-12, 1e-9, 0.5e-6, 0.99e-6, 1.01e-6, 2e-6, 1e-3]))
-    angle, sign = rng.uniform(-math.pi, math.pi), rng.choice([-1.0, 1.0])
+    angle = rng.uniform(-math.pi, math.pi)
+    sign = rng.choice([-1.0, 1.0])
     yield Answer("best", scenario, path, *known)
     place = int(rng.integers(k.size + 1))
     turned = np.insert(k, place, sign / radius), np.insert(s, place, 2 * math.pi * radius)
@@ -180,7 +183,8 @@ def attacked(table: Table, seed: int, number: int) -> None:
     rng = np.random.default_rng((seed, number, 3))
     table.generator, scenario = scenario_of(seed, number)
     solution = Analytic().solve(Question(scenario), TOLERANCES.search_s)
-    path, low = solution.path, solution.lower_bound
+    path = solution.path
+    low = solution.lower_bound
     assert path is not None
     assert low is not None
     judged = judge(scenario, path, solution.claim, tolerances=TOLERANCES)
@@ -206,7 +210,8 @@ def _leg(table: Table, scenario: Scenario, length: float, rng: Rng) -> tuple[flo
 
     Its own length has to be one that the rounding of its data leaves open.
     """
-    s, radius = scenario, scenario.radius
+    s = scenario
+    radius = scenario.radius
     assert s.final_heading is not None
     leg = (s.target_x - s.x) / radius, (s.target_y - s.y) / radius, s.heading, s.final_heading
     room = 1e-13 * (1.0 + s.extent / radius)
@@ -227,7 +232,8 @@ def _judged(table: Table, answer: Answer) -> None:
     if judged.verdict is Verdict.MISSES:
         return
     interval = reference_of(scenario, tolerances=TOLERANCES).enclosure
-    low, scale = interval.low, max(interval.low, scenario.radius)
+    low = interval.low
+    scale = max(interval.low, scenario.radius)
     certificate = certify(scenario, path, judged, lower_bound=low, tolerances=TOLERANCES)
     length = path.length
     wrong = judged.verdict is Verdict.OPTIMAL and length - most > 1.01 * TOLERANCES.gap * scale

@@ -23,7 +23,8 @@ PARTS = 10  # of the slow run, so that they are shared out among the workers
 
 def test_no_counterexample_in_few_cases(monkeypatch: pytest.MonkeyPatch) -> None:
     """Every generator meets every check; a bound of a route that is hardly too high is seen."""
-    table, spoilt = run(SEED, 0, FEW), Table()
+    table = run(SEED, 0, FEW)
+    spoilt = Table()
     found = [routes.attack(table, 0, number) for number in range(1, 5)]
 
     assert table.wrong == 0, str(table)

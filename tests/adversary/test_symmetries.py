@@ -35,8 +35,11 @@ def routes(draw: st.DrawFn) -> Scenario:
 @st.composite
 def images(draw: st.DrawFn) -> tuple[Scenario, Scenario]:
     """A scenario, and its mirror image or itself, turned, scaled and shifted."""
-    scenario, turn, scale = draw(routes()), draw(ANGLES), draw(st.sampled_from([1, 17.0, 1e-3]))
-    side, by = draw(st.sampled_from([1, -1])), draw(st.sampled_from([(0, 0), (30.0, -70.0)]))
+    scenario = draw(routes())
+    turn = draw(ANGLES)
+    scale = draw(st.sampled_from([1, 17.0, 1e-3]))
+    side = draw(st.sampled_from([1, -1]))
+    by = draw(st.sampled_from([(0, 0), (30.0, -70.0)]))
     c, s = scale * math.cos(turn), scale * math.sin(turn)
     points = scenario.points * (1, side) @ np.array([[c, s], [-s, c]]) + np.multiply(by, scale)
     first, last = scenario.heading, scenario.final_heading

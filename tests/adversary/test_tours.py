@@ -23,7 +23,9 @@ from tests.adversary.tours import (
 
 # square root of the square's area a point: 1.5 and 3 radii are dense, where orders are hard to tell
 DENSE = (1.0, 1.5, 3.0)
-SETS, SMALL, PARTS = 200, 24, 20
+SETS = 200
+SMALL = 24
+PARTS = 20
 
 
 def checked_by_all_orders(seed: int, points: int) -> None:
@@ -140,7 +142,8 @@ def test_no_random_tour_is_shorter_than_the_lower_end(seed: int) -> None:
     for _ in range(75):
         assert any_tour(scenario, rng) >= found.low
     poses = found.path.at(np.array([0.0, *found.at, found.path.length]))
-    headings, places = poses[:, 2], poses[1 : len(scenario.via) + 1, :2]
+    headings = poses[:, 2]
+    places = poses[1 : len(scenario.via) + 1, :2]
     points = np.array([stop[:2] for stop in scenario.stops[: len(scenario.via)]])
     order = np.argmin(np.hypot(*(places[:, None] - points[None]).transpose(2, 0, 1)), axis=1)
     given = [scenario.heading, *(scenario.stops[i].heading for i in order)]

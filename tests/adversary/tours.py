@@ -73,7 +73,9 @@ def by_all_orders(scenario: Scenario, length: float) -> Shortest:
     Each order is searched as a route. The search ends where a route is longer than `length` or
     than the best so far. If no order is that short, the lower end is above `length`.
     """
-    low, best, order = math.inf, math.inf, ()
+    low = math.inf
+    best = math.inf
+    order = ()
     start = np.array([scenario.x, scenario.y])
     for tried in permutations(range(len(scenario.via))):
         stops = [scenario.stops[i] for i in tried] + list(scenario.stops[len(tried) :])
@@ -90,7 +92,8 @@ def by_all_orders(scenario: Scenario, length: float) -> Shortest:
         )
         low = min(low, found.low)
         if found.length < best:
-            best, order = found.length, tried
+            best = found.length
+            order = tried
     return Shortest(low * scenario.radius, best * scenario.radius, order)
 
 

@@ -37,7 +37,8 @@ class Truth:
     """
 
     def __init__(self, target: acb, delta: arb) -> None:
-        self.target, self.delta = target, delta
+        self.target = target
+        self.delta = delta
         self.exact = lengths(target, driven=True)
         self._members: list[Member] | None = None
 

@@ -604,7 +604,8 @@ def test_a_finger_on_the_plot_scrolls_the_page(plot):
     page = plot(viewport=PHONE, has_touch=True, is_mobile=True)
     canvas = page.locator("#attempts-plot .canvas")
     canvas.evaluate("node => node.scrollIntoView({block: 'center'})")
-    box, before = canvas.bounding_box(), page.evaluate("scrollY")
+    box = canvas.bounding_box()
+    before = page.evaluate("scrollY")
     x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
     finger = page.context.new_cdp_session(page)
     for step in range(12):

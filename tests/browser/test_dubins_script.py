@@ -36,9 +36,11 @@ def near_circles(n: int) -> list[Scenario]:
     rng = np.random.default_rng(1)
     cases = []
     for row in range(n):
-        R, heading = 10 ** rng.uniform(-2, 3), rng.uniform(-math.pi, math.pi)
+        R = 10 ** rng.uniform(-2, 3)
+        heading = rng.uniform(-math.pi, math.pi)
         x, y = rng.uniform(-3, 3, 2) * R
-        angle, side = rng.uniform(-math.pi, math.pi), rng.choice([-1, 1])
+        angle = rng.uniform(-math.pi, math.pi)
+        side = rng.choice([-1, 1])
         r = 1 + rng.choice([-1, 0, 1]) * 10.0 ** -(1 + row % 12)
         r *= 3 if row % 5 == 0 else 1  # as far as two arcs reach
         X, Y = r * math.sin(angle), side * (1 - r * math.cos(angle))
@@ -129,7 +131,8 @@ def test_the_optimal_words_region_and_margin_are_the_package_s(in_page):
         optimal = [entry for entry in entries if entry["optimal"]]
         assert lengths.pop("best") in {entry["branch"] for entry in optimal}, case
         assert lengths == {entry["branch"]: entry["length"] for entry in entries}, case
-        best, target = shortest(case), local(case)
+        best = shortest(case)
+        target = local(case)
         assert best is not None
         assert in_radii == pytest.approx(margin(case), rel=1e-9, abs=2 * target.delta)
         same_words = {entry["word"] for entry in optimal} == set(best.words)
@@ -229,11 +232,13 @@ def pairs_of_poses(n: int) -> list[tuple[Pose, Pose, float]]:
     rng = np.random.default_rng(5)
     pairs = []
     for row in range(n):
-        radius, reach = 10 ** rng.uniform(-2, 2), 10 ** rng.uniform(-1, 1.5)
+        radius = 10 ** rng.uniform(-2, 2)
+        reach = 10 ** rng.uniform(-1, 1.5)
         places = rng.uniform(-reach, reach, 4)
         headings = rng.uniform(-7, 7, 2)
         if row % 5 == 0:
-            radius, places = 1.0, rng.integers(-4, 5, 4).astype(float)
+            radius = 1.0
+            places = rng.integers(-4, 5, 4).astype(float)
             headings = 0.5 * math.pi * rng.integers(-4, 5, 2)
         x, y, u, v = (places * radius).tolist()
         a, b = headings.tolist()
@@ -302,7 +307,8 @@ def test_routes_are_the_shortest_to_a_millionth(in_page, law):
     cases = []
     for row in range(law.routes):
         legs = 2 + row % 5
-        lengths, bearings = rng.uniform(law.shortest, law.longest, legs), rng.uniform(-4, 4, legs)
+        lengths = rng.uniform(law.shortest, law.longest, legs)
+        bearings = rng.uniform(-4, 4, legs)
         steps = lengths[:, None] * np.column_stack([np.cos(bearings), np.sin(bearings)])
         points = np.vstack([rng.uniform(-5, 5, 2), steps]).cumsum(axis=0)
         heading, final = rng.uniform(-4, 4, 2).tolist()
@@ -317,7 +323,8 @@ def test_routes_are_the_shortest_to_a_millionth(in_page, law):
     ]
     close = 0
     for (points, heading, final), route in zip(cases, in_page("dubins.route", rows), strict=True):
-        length, pose = 0.0, Pose(*points[0].tolist(), heading)
+        length = 0.0
+        pose = Pose(*points[0].tolist(), heading)
         for entry, point in zip(route["entries"], points[1:], strict=True):
             pose = Driven(pose, entry["curvatures"], entry["lengths"]).end
             assert math.hypot(pose.x - point[0], pose.y - point[1]) < 1e-9

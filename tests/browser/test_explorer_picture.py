@@ -186,7 +186,8 @@ def test_no_label_lies_outside_of_the_chart_or_on_another(explorer, viewport):
 def test_dragging_the_target_moves_it_and_everything_follows(explorer):
     """By the mouse: the handle stays under the pointer, the numbers are the package's."""
     page = explorer("0,0,0deg,2,1.5,1")
-    before, (x, y) = scenario_in(page), centre(page, "target")
+    before = scenario_in(page)
+    x, y = centre(page, "target")
     page.mouse.move(x, y)
     page.mouse.down()
     page.mouse.move(x - 40, y + 70, steps=4)

@@ -100,7 +100,8 @@ def test_click_to_add_drag_to_move_double_click_to_remove(explorer):
     assert len(scenario_in(page).via) == 1
     clicked(page, -60, 60)
     assert len(scenario_in(page).via) == 2
-    before, length = scenario_in(page), summary(page)[2]
+    before = scenario_in(page)
+    length = summary(page)[2]
     assert before.via[1][1] < before.target_y
     drag(page, "via-2", 25, -90)
     after = scenario_in(page)
@@ -156,7 +157,8 @@ def test_a_route_by_keyboard(explorer):
 def test_the_final_heading_is_free_or_given(explorer):
     """By the button, which keeps the path, and by the field, where nothing is free."""
     page = explorer("0,0,0deg,6,3,1")
-    length, button = summary(page)[2], page.get_by_role("button", name="Final heading", exact=True)
+    length = summary(page)[2]
+    button = page.get_by_role("button", name="Final heading", exact=True)
     assert button.get_attribute("aria-pressed") == "false"
     button.click()
     assert button.get_attribute("aria-pressed") == "true"
@@ -251,7 +253,8 @@ def test_the_order_is_free_or_given(explorer):
     button = page.get_by_role("button", name="Any order", exact=True)
     assert button.get_attribute("aria-pressed") == "false"
     assert numbers(page) == ["1", "2", "3", "4", "5"]
-    length, points = summary(page)[2], scenario_in(page).via
+    length = summary(page)[2]
+    points = scenario_in(page).via
     button.focus()
     page.keyboard.press("Space")
     assert button.get_attribute("aria-pressed") == "true"

@@ -147,7 +147,8 @@ def test_a_heading_without_text_is_no_button(page_of):
 def test_a_filter_shows_the_lines_with_all_of_its_words(page_of):
     """In any case, in the full names too; it says how many of how many, and keeps the sorting."""
     page = page_of(40)
-    box, count = page.get_by_role("searchbox", name="filter"), page.get_by_role("status")
+    box = page.get_by_role("searchbox", name="filter")
+    count = page.get_by_role("status")
     assert count.text_content() == "40 lines"
 
     box.fill("N=20 b")
@@ -172,7 +173,8 @@ def test_a_filter_shows_the_lines_with_all_of_its_words(page_of):
 def test_a_long_table_is_folded(page_of):
     """To twelve lines, in any order; one button shows the rest and folds them again."""
     page = page_of(160)
-    count, fold = page.get_by_role("status"), page.get_by_role("button", name="show")
+    count = page.get_by_role("status")
+    fold = page.get_by_role("button", name="show")
     assert len(column(page, 1)) == 12
     assert count.text_content() == "160 lines, the first 12 shown"
     assert (fold.text_content(), fold.get_attribute("aria-expanded")) == ("show all 160", "false")

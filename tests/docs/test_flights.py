@@ -23,7 +23,8 @@ def leaves(path: Path, wind: tuple[float, float]) -> float:
     Its nose is turned to where its velocity over ground has the course of the path, at a rate of 1
     at most; the wind carries it along.
     """
-    along, off = 0.0, 0.0
+    along = 0.0
+    off = 0.0
     x, y, course = path.at([0.0])[0]
     nose = holding(course, wind)
     at = np.linspace(0, path.length, 200_001)

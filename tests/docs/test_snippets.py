@@ -47,12 +47,14 @@ def blocks(page: Path) -> list[Block]:
     for match in _FENCE.finditer(source):
         indent, _, info, text = match.groups()
         text = re.sub(f"^{indent}", "", text, flags=re.M)
-        language, file = info.strip(), ""
+        language = info.strip()
+        file = ""
         if language.startswith("{code-block}"):
             language = language.split()[-1]
             options = _CAPTION.match(text)
             if options:
-                file, text = options[1] or "", text[options.end() :]
+                file = options[1] or ""
+                text = text[options.end() :]
         if language.startswith("{"):
             continue
         named = _FILE.match(text)
@@ -110,14 +112,16 @@ class Runner:
         self._command(block.text)
 
     def _console(self, block: Block) -> None:
-        command, expected = "", ""
+        command = ""
+        expected = ""
         for line in [*block.text.splitlines(keepends=True), "$ "]:
             if not line.startswith("$ "):
                 expected += line
                 continue
             if command:
                 self._compare(command, expected)
-            command, expected = line[2:], ""
+            command = line[2:]
+            expected = ""
 
     def _compare(self, command: str, expected: str) -> None:
         output = self._command(command)

@@ -42,7 +42,9 @@ def test_killed_at_random_moments(asking, tmp_path):
 
     A run that ends before it is killed does not count; the next one begins anew.
     """
-    draw, cut, kept = Random(20260), 0, set()
+    draw = Random(20260)
+    cut = 0
+    kept = set()
     options = ("--jobs", 2, "--time-limit", 10)
     folders = [tmp_path / "cut 0"]
     while cut < MOMENTS:

@@ -16,7 +16,8 @@ HONEST = spec("honest", "Honest")
 
 def during_a_cell(tmp_path, numbers, jobs, limit, nap=600.0, under_way=1):
     """Signals to the whole group, as a terminal sends them, once the long cells are under way."""
-    file, out = tmp_path / "pids", tmp_path / "out"
+    file = tmp_path / "pids"
+    out = tmp_path / "out"
     napping = spec("honest", "Napping", nap=nap, note=file)
     asking = experiment(tmp_path, ([napping], 4), ([HONEST], 8))
     options = ("--out", out, "--jobs", jobs, "--time-limit", limit)

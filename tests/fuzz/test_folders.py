@@ -27,7 +27,8 @@ def expected(small_run) -> pd.DataFrame:
 @pytest.fixture(scope="module")
 def damaged(small_run, tmp_path_factory):
     """Makes a copy of the small run in two parts, with one damage."""
-    place, number = tmp_path_factory.mktemp("damaged"), 0
+    place = tmp_path_factory.mktemp("damaged")
+    number = 0
 
     def make(damage, seed: int) -> Path:
         nonlocal number

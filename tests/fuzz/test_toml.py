@@ -13,7 +13,8 @@ from tests.fuzz.watched import raw_controls
 FOLDER = Path(__file__).parents[2] / "src" / "dubins_study" / "experiments"
 PACKAGED = [(FOLDER / f"{name}.toml").read_bytes() for name in packaged()]
 # characters of a line that quotes what it is about, and lines
-LONGEST, MOST_LINES = 1000, 21
+LONGEST = 1000
+MOST_LINES = 21
 
 
 def check_lines(message: str) -> None:

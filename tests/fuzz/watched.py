@@ -55,7 +55,8 @@ def command(*arguments: str) -> Said:
     """
     from dubins_study.cli.app import main
 
-    kept, streams = (sys.argv, sys.stdout, sys.stderr), (io.BytesIO(), io.BytesIO())
+    kept = (sys.argv, sys.stdout, sys.stderr)
+    streams = (io.BytesIO(), io.BytesIO())
     sys.argv = ["dubins-study", *arguments]
     errors = ("strict", "backslashreplace")
     wrapped = [

@@ -136,7 +136,8 @@ def test_no_question_lies_next_to_a_jump(table, most_legs):
     judged = table[table["reference_low"].notna()].drop_duplicates("scenario_id")
     for row in rows_of(judged):
         scenario = scenario_of(row)
-        legs, far = len(scenario.via) + 1, 100 * ARRIVES * scenario.radius
+        legs = len(scenario.via) + 1
+        far = 100 * ARRIVES * scenario.radius
         if scenario.one_free_leg:
             assert abs(row["margin"]) > 0.999 * far / scenario.radius, scenario
         elif (
@@ -165,7 +166,8 @@ def test_easy_cells_solved_anew_end_alike(suite, table):
     ended = easy["claim"].isin(["local", "optimal", "feasible"]) & (easy["wall_s"] < 0.5)
     easy = easy[ended & (easy["verdict"] == "optimal") & easy["curvatures"].notna()]
     for row in rows_of(easy.drop_duplicates("engine")):
-        spec, solver = row["solver"], load(row["solver"])
+        spec = row["solver"]
+        solver = load(row["solver"])
         slow = "cobyqa" in spec or not solver.keeps_limit
         if slow or unavailable(solver) is not None:
             continue

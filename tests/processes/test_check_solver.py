@@ -108,10 +108,8 @@ def test_a_file_that_does_not_load_is_a_finding_with_its_traceback(tmp_path):
 def test_a_syntax_error_is_shown_where_it_is(tmp_path):
     """File, line and caret, by both commands; what to do names the author's own file."""
     (tmp_path / "mine.py").write_text("class Mine:\n    n = 1 +\n")
-    checked, solved = (
-        called("check-solver", "mine.py:Mine"),
-        called("solve", "1", "2", "--solver", "mine.py:Mine"),
-    )
+    checked = called("check-solver", "mine.py:Mine")
+    solved = called("solve", "1", "2", "--solver", "mine.py:Mine")
 
     assert checked.exit_code == 1
     for shown in (checked.stdout, f"{solved.exception}\n"):
@@ -133,7 +131,8 @@ class Mine(Solver):
     def solve(self, question, limit):
         return Solution(Claim.FAILED)
 """
-FROZEN, METHOD = "@dataclass(frozen=True)", '("penalty", "mine")'
+FROZEN = "@dataclass(frozen=True)"
+METHOD = '("penalty", "mine")'
 # what is wrong -> how the solver differs, the status of `loading`, and words of the report
 LOADING = {
     "no default": ({"setting": "n: int"}, "fail", "give each setting a default, such as `n: int"),

@@ -206,7 +206,8 @@ def test_other_libraries_make_another_code(monkeypatch):
 @pytest.mark.slow
 def test_rows_of_earlier_code_are_solved_anew_and_never_shown(tmp_path):
     """They are kept, counted, and left out of everything else."""
-    spec, out = f"{tmp_path}/mine.py:Mine", tmp_path / "out"
+    spec = f"{tmp_path}/mine.py:Mine"
+    out = tmp_path / "out"
     file = quick_experiment(tmp_path, 2, f'{spec}", "analytic')
     for patience in (1, 2):
         (tmp_path / "mine.py").write_text(PLUGIN.format(patience=patience))

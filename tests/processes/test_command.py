@@ -201,7 +201,8 @@ def test_a_solver_that_was_not_asked_gives_no_answer(plugin):
 @pytest.mark.slow
 def test_a_solver_that_cannot_run_is_refused_before_a_run(plugin, tmp_path):
     """Also one of another package, and one among several; an experiment's own are recorded."""
-    file, absent = quick_experiment(tmp_path, 2), f"{plugin}:Absent"
+    file = quick_experiment(tmp_path, 2)
+    absent = f"{plugin}:Absent"
     for spec, said in ((absent, "no licence"), ("nlp[engine={ipopt,nothing}]", "no executable")):
         done = finished("run", file, "--solver", "slsqp", "--solver", spec, cwd=tmp_path)
         assert (done.returncode, done.stdout) == (2, "")

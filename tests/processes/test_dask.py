@@ -200,10 +200,8 @@ def test_a_worker_keeps_its_processes_until_the_run_ends(experiment, tmp_path):
     spec = plugin(tmp_path, "(HERE / 'pids').open('a').write(f'{os.getpid()}\\n')")
     text = re.sub("(?m)^solvers = .*", f'solvers = ["{spec}"]', Path(experiment).read_text())
     Path(experiment).write_text(text)
-    settings, units = (
-        RunSettings("kept", 60.0, executor="dask"),
-        chains(read(experiment).experiment),
-    )
+    settings = RunSettings("kept", 60.0, executor="dask")
+    units = chains(read(experiment).experiment)
     for chain in units[:3]:
         reply = dask_worker.solve_unit(pickle.dumps(WorkUnit(settings, [chain])))
         assert (len(reply.rows), reply.refusal) == (len(chain), "")

@@ -142,7 +142,8 @@ def test_ctrl_c(experiment, tmp_path, signals):
         here.worker(address, "--nthreads", "2", NAP=nap) as worker,
     ):
         options = ("--executor", "dask", "--scheduler", address, "--time-limit", "4000")
-        spec, out = f"{tmp_path}/slow.py:Slow", tmp_path / "out"
+        spec = f"{tmp_path}/slow.py:Slow"
+        out = tmp_path / "out"
         with started("run", experiment, *options, "--solver", spec, "--out", out) as process:
             wait_for(lambda: (tmp_path / "asked").exists())
             began = time.monotonic()

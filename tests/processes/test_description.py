@@ -25,7 +25,8 @@ class Plain(Slsqp):
 
 @pytest.mark.parametrize("spec", [*registered(), "slsqp[count=3]"])
 def test_our_own_are_described_as_they_are(spec):
-    found, solver = describe_solver(spec), load(spec)
+    found = describe_solver(spec)
+    solver = load(spec)
 
     assert found.spec == canonical(spec)
     assert found.code_digest == code_digest(spec)

@@ -20,7 +20,8 @@ def experiment(tmp_path):
 
 
 def test_the_first_sets_a_flag_and_the_second_raises():
-    before, seen = signal.getsignal(signal.SIGINT), []
+    before = signal.getsignal(signal.SIGINT)
+    seen = []
 
     def twice():
         with Interruption() as stop:
@@ -59,7 +60,8 @@ def test_one_within_another_knows_what_was_asked_before():
 @pytest.mark.slow
 def test_other_threads_are_left_alone(experiment, tmp_path):
     """Python handles no signals there; a run must not try."""
-    before, folders = signal.getsignal(signal.SIGINT), []
+    before = signal.getsignal(signal.SIGINT)
+    folders = []
     thread = threading.Thread(target=lambda: folders.append(run(experiment, tmp_path / "out")))
     thread.start()
     thread.join()

@@ -28,7 +28,8 @@ def contents(folder):
 
 @pytest.mark.slow
 def test_a_second_run_is_told_who_is_at_work_and_touches_nothing(tmp_path):
-    experiment, out = slow_experiment(tmp_path, nap=30), tmp_path / "out"
+    experiment = slow_experiment(tmp_path, nap=30)
+    out = tmp_path / "out"
     with started("run", experiment, "--trust-plugins", "--out", out) as first:
         wait_for(lambda: (out / "manifest.json").exists())
         since = lock_holder(out)["started"]
@@ -49,7 +50,8 @@ def test_a_second_run_is_told_who_is_at_work_and_touches_nothing(tmp_path):
 @pytest.mark.slow
 def test_a_killed_run_holds_nothing_even_while_its_workers_live(tmp_path):
     """kill -9 of the run alone: workers that nap on do not keep the next run out."""
-    experiment, out = slow_experiment(tmp_path, nap=0.2, count=24), tmp_path / "out"
+    experiment = slow_experiment(tmp_path, nap=0.2, count=24)
+    out = tmp_path / "out"
     with started("run", experiment, "--trust-plugins", "--out", out, "--jobs", "2") as first:
         wait_for(lambda: parts(out))
         children = [child.pid for child in psutil.Process(first.pid).children(recursive=True)]
@@ -81,7 +83,8 @@ def alive(pid):
 
 @pytest.mark.slow
 def test_status_and_report_work_while_a_run_does(tmp_path):
-    experiment, out = slow_experiment(tmp_path, nap=0.3, count=1000), tmp_path / "out"
+    experiment = slow_experiment(tmp_path, nap=0.3, count=1000)
+    out = tmp_path / "out"
     with started("run", experiment, "--trust-plugins", "--out", out) as first:
         wait_for(lambda: parts(out))
         found = finished("status", out)

@@ -61,7 +61,8 @@ def test_the_union_is_the_whole(original, halves, tmp_path):
     assert all(file.read_bytes() == content for file, content in before.items())
     assert (made.rows, made.agreeing_repeats, made.stale) == (CELLS, 0, 0)
     assert frame(made.folder).equals(frame(original))
-    held, one = manifest(made.folder), manifest(original)
+    held = manifest(made.folder)
+    one = manifest(original)
     assert held["finished"] == one["finished"]
     assert held["runs"] == one["runs"]  # the same run in both: once
     assert held["cells"] == CELLS
@@ -189,7 +190,8 @@ def test_places_that_are_taken(halves, tmp_path):
 
 
 def test_a_folder_in_use_is_left_alone(tmp_path):
-    experiment, out = slow_experiment(tmp_path, nap=0.3, count=1000), tmp_path / "out"
+    experiment = slow_experiment(tmp_path, nap=0.3, count=1000)
+    out = tmp_path / "out"
     with started("run", experiment, "--trust-plugins", "--out", out):
         wait_for(lambda: parts(out))
         with pytest.raises(ResultsError, match="is in use by a run; merge it when that has ended"):
@@ -243,7 +245,8 @@ def table_of(attempts, folder):
 def test_any_folders(one, two, three):
     """Against a dictionary: the earliest of each cell, or a refusal if two differ from it."""
     tables = [table_of(own, i) for i, own in enumerate((one, two, three))]
-    best, clash = {}, False
+    best = {}
+    clash = False
     every = [row for table in tables for row in table.to_pylist()]
     for row in sorted(every, key=lambda row: row["started"]):
         first = best.setdefault(row["scenario_id"], row)

@@ -86,7 +86,8 @@ def test_every_cell_becomes_a_judged_row(original):
 
 
 def test_a_finished_run_is_one_part_and_a_second_run_changes_nothing(small, folder, monkeypatch):
-    before, manifest = rows(folder), (folder / "manifest.json").read_text()
+    before = rows(folder)
+    manifest = (folder / "manifest.json").read_text()
     assert len(list((folder / "parts").iterdir())) == 1
     monkeypatch.setattr(local, "solve_chains", lambda *a: pytest.fail("solved again"))
 
@@ -103,7 +104,8 @@ def test_rows_without_a_solve_are_interrupted_too(small):
     unit = WorkUnit(RunSettings("r", 60.0), cells)
 
     def rows_made(until):
-        stop, rows = Interruption(), 0
+        stop = Interruption()
+        rows = 0
         with WorkerPool(1) as pool:
             pool._unloadable |= {(chain[0].solver, chain[0].profile): reply for chain in cells}
             for made in solve_chains(pool, unit, stop):
@@ -286,7 +288,8 @@ class Warmed(Slsqp):
 @pytest.mark.slow
 def test_a_resumed_sweep_starts_where_an_unbroken_one_would(tmp_path):
     """After a failure, and across holes: from the last path that was found before."""
-    plugin, file = tmp_path / "late.py", tmp_path / "sweep.toml"
+    plugin = tmp_path / "late.py"
+    file = tmp_path / "sweep.toml"
     plugin.write_text(LATE.replace("FAILS", "True"))
     file.write_text(
         'title = "sweep"\nquestion = "?"\nsolvers = ["analytic"]\ninitial_guesses = ["warm"]\n'

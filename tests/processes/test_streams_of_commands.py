@@ -33,7 +33,8 @@ def in_a_terminal(*arguments, cwd, columns, **environment):
         command(*arguments), stdin=its, stdout=its, stderr=its, cwd=cwd, env=env
     )
     os.close(its)
-    written, end = b"", time.monotonic() + 300
+    written = b""
+    end = time.monotonic() + 300
     while time.monotonic() < end:
         if select.select([ours], [], [], 1)[0]:
             try:

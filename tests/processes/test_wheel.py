@@ -131,7 +131,8 @@ def test_the_public_names_in_a_script_beside_them(user):
 def test_the_command_beside_them(user):
     """Run with worker processes and a plug-in, report, status; `-m` puts the folder on the path,
     which no worker inherits."""
-    program, out = user / "env" / "bin" / "dubins-study", user / "by-command"
+    program = user / "env" / "bin" / "dubins-study"
+    out = user / "by-command"
     module = (user / "env" / "bin" / "python", "-m", "dubins_study")
     told = called(program, "solve", 10, 5, "--json", cwd=user)
     called(*module, "run", "beside.toml", "--out", out, "--trust-plugins", cwd=user)

@@ -131,7 +131,8 @@ def test_an_answer_of_many_legs_prints_its_length():
 def test_a_notebook_shows_an_answer():
     """The drawing of its path, below it what the check says; nothing where there is no path."""
     answer = solve(Scenario(heading="120deg", target_x=10, target_y=5))
-    drawing, caption = fromstring(answer._repr_svg_()), "optimal, length 11.8681, proof proved, RS"
+    drawing = fromstring(answer._repr_svg_())
+    caption = "optimal, length 11.8681, proof proved, RS"
 
     assert (drawing[0].text, drawing[3].text) == (caption, caption)
     assert drawing[1].get("d") == fromstring(answer.path._repr_svg_())[1].get("d")

@@ -106,7 +106,8 @@ def test_a_route_as_geojson(points, tmp_path):
     asking = (*START, "--via-file", str(points), "--json", "--geojson", str(file))
     answer = json.loads(asked(*asking).stdout)
     path, *marks = json.loads(file.read_text())["features"]
-    line, properties = np.array(path["geometry"]["coordinates"]), path["properties"]
+    line = np.array(path["geometry"]["coordinates"])
+    properties = path["properties"]
 
     for point in [(0, 0), (4, 1), (6, -2), (10, 5)]:
         assert np.hypot(*(line - point).T).min() < 0.1  # arcs have a point every 5 degrees
@@ -187,7 +188,8 @@ def test_a_drawn_route_with_a_free_final_heading():
 
 def route_through(points):
     """An answer of straight legs through points, as far as it is drawn."""
-    turns, lengths = [], []
+    turns = []
+    lengths = []
     chords = np.diff(points, axis=0)
     headings = np.arctan2(chords[:, 1], chords[:, 0])
     for turn, chord in zip(np.diff(headings, prepend=headings[0]), chords, strict=True):

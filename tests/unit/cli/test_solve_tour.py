@@ -102,7 +102,8 @@ def test_a_tour_is_the_shortest_of_all_orders(file):
 
 
 def test_a_closed_path_ends_as_it_starts(file, tmp_path):
-    drawn, written = tmp_path / "tour.svg", tmp_path / "tour.json"
+    drawn = tmp_path / "tour.svg"
+    written = tmp_path / "tour.json"
     options = ("--closed", "--order", "free", "--from", "1", "2", "free")
     files = ("--plot", str(drawn), "--geojson", str(written))
 

@@ -79,8 +79,10 @@ def test_a_path_that_arrives_and_is_longer(controls, words):
 
 
 TOURS, ROUTES = OF_KIND["tour"], OF_KIND["route"]
-FAR, ANY = TOURS["4 points far apart"], TOURS["5 points, the end at any"]
-BACK, LINES = TOURS["4 points, closed"], TOURS["2 lines to fly along"]
+FAR = TOURS["4 points far apart"]
+ANY = TOURS["5 points, the end at any"]
+BACK = TOURS["4 points, closed"]
+LINES = TOURS["2 lines to fly along"]
 
 
 def bare(scenario):

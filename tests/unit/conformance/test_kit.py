@@ -52,7 +52,8 @@ class Right(Analytic):
 class Confident(Right):
     """Looks at LS and RS only, and is sure."""
 
-    branches, takes = ("best",), frozenset({"free final heading"})
+    branches = ("best",)
+    takes = frozenset({"free final heading"})
 
     def solve(self, question, limit):
         answers = [
@@ -174,7 +175,8 @@ class Misled(Right):
 class Bounding(Right):
     """A bound above the length in the discs."""
 
-    branches, takes = ("best",), frozenset({"free final heading"})
+    branches = ("best",)
+    takes = frozenset({"free final heading"})
 
     def solve(self, question, limit):
         path = super().solve(question, limit).path
@@ -205,7 +207,8 @@ class Timeless(Right):
 class Slow(Right):
     """Takes twice as long as a run lets it, whatever its limit."""
 
-    branches, keeps_limit = ("best",), False
+    branches = ("best",)
+    keeps_limit = False
 
     def solve(self, question, limit):
         time.sleep(2 * RUN_GRACE_S + 0.05)
@@ -215,10 +218,12 @@ class Slow(Right):
 class Hurried(Right):
     """Answers all but two questions with what it has when its limit is over."""
 
-    branches, sure = ("best",), ("target ahead to the left", "target behind to the right")
+    branches = ("best",)
+    sure = ("target ahead to the left", "target behind to the right")
 
     def solve(self, question, limit):
-        began, steps = time.perf_counter(), 0
+        began = time.perf_counter()
+        steps = 0
         if question.scenario.label in self.sure:
             return super().solve(question, limit)
         while time.perf_counter() < began + limit:
@@ -260,7 +265,9 @@ class OneWordRaising(OneWord):
 class Everything(Right):
     """Answers all that a solver may be asked."""
 
-    warm, guarantee, branches = True, Guarantee.STOCHASTIC, ("best", *WORDS)
+    warm = True
+    guarantee = Guarantee.STOCHASTIC
+    branches = ("best", *WORDS)
 
 
 class Brief(Right):
@@ -273,7 +280,8 @@ class Brief(Right):
 class Lost(Right):
     """Drives straight on, and is sure."""
 
-    branches, takes = ("best",), Right.takes - {"free start heading"}
+    branches = ("best",)
+    takes = Right.takes - {"free start heading"}
 
     def solve(self, question, limit):
         return Solution(Claim.OPTIMAL, Path(question.scenario.start, [0.0], [1.0]))
@@ -348,7 +356,8 @@ def test_a_longer_path_is_a_note_of_an_honest_solver():
         excess = min(path.length for path in words if path is not None) - best.length
         gaps.append(excess / max(best.length, scenario.radius))
     worst = max(gaps)
-    longer, asked = report.answers["longer"], sum(report.answers.values())
+    longer = report.answers["longer"]
+    asked = sum(report.answers.values())
     shares = f"longer than the shortest on {longer} of {asked} questions, worst {100 * worst:.3g} %"
     assert shares in " ".join(str(report).split())
     assert "longer than" not in str(checked(Right, ["claims"]))

@@ -64,7 +64,8 @@ def test_a_name_is_the_hash_of_doubles_and_label():
 
 def test_targets_are_those_of_the_scalar_formulas():
     """Distance and bearing, arc and margin: with `math`, number by number, to the last bit."""
-    polar, made = block("polar"), columns("polar")
+    polar = block("polar")
+    made = columns("polar")
     product = itertools.product(polar.radius, np.geomspace(0.1, 30, 9), polar.bearing)
     expected = [(R * d * math.cos(bearing), R * d * math.sin(bearing)) for R, d, bearing in product]
     assert list(zip(made["target_x"].tolist(), made["target_y"].tolist(), strict=True)) == expected

@@ -54,7 +54,8 @@ def refusal_of(text, tmp_path, **request):
 
 def test_no_plugin_is_loaded_for_a_message(tmp_path):
     """Of an invalid file as of a valid one: its code may be anyone's."""
-    plugin, mark = tmp_path / "rude.py", tmp_path / "mark"
+    plugin = tmp_path / "rude.py"
+    mark = tmp_path / "mark"
     plugin.write_text(f"import pathlib\npathlib.Path({str(mark)!r}).touch()\n")
     specs = [f"{plugin}:A", f"{{analytic,{plugin}:A}}", f"{plugin}:A[n=1]", f"slsqp[x={plugin}:A]"]
     message = refusal_of(f"title = 1\nsolvers = {specs}\n", tmp_path)
@@ -98,7 +99,8 @@ def paths(value, path=()):
 def test_each_key_stands_on_its_line(name):
     """Of all packaged experiments; and the lines of a table's blocks are in their order."""
     text = read(name).text
-    lines, blocks = text.splitlines(), []
+    lines = text.splitlines()
+    blocks = []
     for path, _ in paths(tomllib.loads(text)):
         if path and isinstance(path[-1], str):
             assert path[-1] in lines[line_of(path, text) - 1], path

@@ -24,7 +24,8 @@ class Clock:
 
 def timed(monkeypatch, durations):
     """The floor of an engine whose calls take these seconds, and the residual of each guess."""
-    clock, calls = Clock(), []
+    clock = Clock()
+    calls = []
     monkeypatch.setattr(floor, "perf_counter", clock)
 
     @dataclass(frozen=True)

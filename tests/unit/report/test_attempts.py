@@ -91,7 +91,8 @@ def tables(counted):
 def alike(one, two):
     """Whether attempts give the same numbers, to the last bit."""
     assert len(one) == len(two)
-    expected, given = tables(one), tables(two)
+    expected = tables(one)
+    given = tables(two)
     assert expected.keys() == given.keys()
     for name, frame in expected.items():
         pd.testing.assert_frame_equal(frame, given[name], check_exact=True)
@@ -125,7 +126,8 @@ def numbers_are_those_of(found, rows):
     # trial is the scenario with a branch: experiments, initial guesses and repeats are its parts.
     weight = 1 / rows.groupby(["solver", "branch"])["solver"].transform("size")
     rows = rows.assign(weight=weight)
-    every, rows = rows, rows[rows["reference_word"].notna()]
+    every = rows
+    rows = rows[rows["reference_word"].notna()]
     lines = solver_summary(found).to_dict("records")
     # solvers that were asked nothing that has a path are left out, unless none was
     asked = set(rows["solver"]) or set(every["solver"])
@@ -244,7 +246,8 @@ def test_what_the_presolve_answered_is_no_success_of_an_engine(tmp_path):
         gap=np.nan,
     )
     counted = attempts_of(tmp_path, rows)
-    line, proven = solver_summary(counted).iloc[0], proofs(counted).iloc[0]
+    line = solver_summary(counted).iloc[0]
+    proven = proofs(counted).iloc[0]
 
     assert metrics.success(rows).tolist() == [True, False, True, False]
     assert metrics.proof(rows).tolist() == ["proved", "none", "proved", "none"]

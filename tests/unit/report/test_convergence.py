@@ -129,7 +129,8 @@ def test_convex_problems_by_hand(load_rows):
     methods = by_method(own).set_index(["family", "name"])
     section = convex_section(results)
     profiles, engines = section.blocks
-    shift, limit = shift_of(own), own["limit_s"].max()
+    shift = shift_of(own)
+    limit = own["limit_s"].max()
     lines = engines.frame.set_index(["family", "name"])
 
     assert methods["right"].to_dict() == {

@@ -140,7 +140,8 @@ def test_titles_of_sections_become_links():
         assert linked(title, sections, page) == link
 
 
-MINE, VARIANT = "my_solver.py:MySolver", "my_solver.py:MySolver[guesses=8]"
+MINE = "my_solver.py:MySolver"
+VARIANT = "my_solver.py:MySolver[guesses=8]"
 
 
 def rows(questions: int, *specs: str) -> list[dict[str, object]]:

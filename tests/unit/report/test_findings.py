@@ -346,7 +346,8 @@ def test_an_exponent_is_that_of_the_times():
 @pytest.mark.slow
 def test_the_section_has_every_sentence(load_rows):
     """Of real rows; and none where no row carries a finding."""
-    rows, local = [], {"claim": Claim.LOCAL, "best_run_s": 1e-3}
+    rows = []
+    local = {"claim": Claim.LOCAL, "best_run_s": 1e-3}
     for number in range(30):
         scenario = paper_scenarios()[0]
         moved = type(scenario)(0, 0, scenario.heading, 10 + number, 5, 1)

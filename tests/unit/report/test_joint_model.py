@@ -45,7 +45,8 @@ def test_the_minima_are_those_of_brute_force(scenario):
     """Drive L(z1) for every z1 up to three turns and then the best RS: the length has a minimum at
     z1 = 0 and wherever it drops, and `minimum` knows each of them by its length."""
     R = scenario.radius
-    found, last = [], math.inf
+    found = []
+    last = math.inf
     for z1 in np.arange(0, 3 * math.tau, 1e-3):
         pose = Path(scenario.start, [1 / R], [z1 * R]).end
         moved = replace(scenario, x=pose.x, y=pose.y, heading=pose.heading)
@@ -121,7 +122,8 @@ def test_the_section_tells_what_the_rows_hold(load_rows):
 
 TOLD = "ipopt[model=joint,order=LRS,units=scenario,mu_target={}]"
 DEFAULT = "ipopt[model=joint,order=LRS,units=scenario,options=default]"
-SPLIT, ACTIVE = "slsqp[units=scenario]", "slsqp[model=joint,order=LRS]"
+SPLIT = "slsqp[units=scenario]"
+ACTIVE = "slsqp[model=joint,order=LRS]"
 
 
 def behind(radius):

@@ -57,7 +57,8 @@ def test_a_solver_that_the_manifest_does_not_name_counts_nowhere(results):
     one, two = paper_scenarios()[:2]
     named = {"analytic": {"code_digest": "0123456789ab", "cells": 1}}
     folder = results("paper", [attempt(one), attempt(two, "slsqp")], solvers=named)
-    (read,), counted = load([folder]).folders, status(folder)
+    (read,) = load([folder]).folders
+    counted = status(folder)
 
     assert load([folder]).rows["solver"].unique().tolist() == ["analytic"]
     assert (read.rows.current, read.rows.stale) == (counted.done, counted.stale) == (1, 1)
@@ -145,7 +146,8 @@ def test_a_spoilt_folder_is_refused(results, spoil, message):
 def test_the_page_says_which_rows_are_left_out(tmp_path):
     """Rows of earlier code; rows of a cell that a folder before holds, by other code or by this."""
     one, two, three = map(attempt, paper_scenarios()[:3])
-    other, named = {"code_digest": "f" * 12}, {"analytic": {"code_digest": "0123456789ab"}}
+    other = {"code_digest": "f" * 12}
+    named = {"analytic": {"code_digest": "0123456789ab"}}
     folders = [
         write_folder(tmp_path / "1", "paper", [one, two, three | other], solvers=named),
         write_folder(tmp_path / "2", "paper", [one | other, two | other]),

@@ -68,7 +68,8 @@ def test_times_of_another_machine_are_shown(folders):
 
 def test_the_first_folder_says_which_machine_is_ours(folders):
     """And rows of one machine are ranked, wherever they were made."""
-    turned, alone = load(folders[::-1]), load(folders[2:])
+    turned = load(folders[::-1])
+    alone = load(folders[2:])
 
     assert set(turned.elsewhere["solver"]) == {"slsqp", "ipopt"}
     assert turned.rows.groupby("solver")["wall_s"].median()["shooting"] == QUICK_S

@@ -51,7 +51,8 @@ def test_the_title_says_what_is_proved_and_the_time(answer):
         plot_path(answer, geographic=geographic).axes[0].get_legend().get_title().get_text()
         for geographic in (False, True)
     ]
-    length, time = f"{answer.length:.2f}", f"{answer.travel_time:.4g}"
+    length = f"{answer.length:.2f}"
+    time = f"{answer.travel_time:.4g}"
 
     assert titles[0] == f"analytic: length {length}, proved, time {time}"
     assert titles[1] == f"analytic: length {length} m, proved, time {time} s"

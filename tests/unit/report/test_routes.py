@@ -56,7 +56,8 @@ def test_numbers_by_hand(load_rows):
     cells = by_size(with_legs(results.rows)).set_index(["solver", "label", "legs"])
     section = routes_section(results)
     picture, _ = section.blocks
-    three, one = cells.loc[("a", SHORT, 3)], cells.loc[("a", SHORT, 1)]
+    three = cells.loc[("a", SHORT, 3)]
+    one = cells.loc[("a", SHORT, 1)]
 
     assert (three["successes"], three["trials"], three["left_open"]) == (1, 2, 1)
     assert (three["low"], three["high"]) == pytest.approx((0.0945, 0.9055), abs=5e-5)

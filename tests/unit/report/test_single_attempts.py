@@ -71,7 +71,8 @@ def test_every_value_comes_back(results: Results):
     """Texts and scenarios exactly, measured numbers to four digits, null as null."""
     chosen = sample(results, 10**6)
     read = unpacked(chosen)
-    columns, scenarios = read["columns"], read["scenarios"]
+    columns = read["columns"]
+    scenarios = read["scenarios"]
 
     assert read["more"] == 1
     assert read["count"] == len(chosen)

@@ -108,7 +108,8 @@ def test_a_resample_draws_each_scenario_as_often_as_by_chance():
 def test_medians_and_means_as_of_every_resample_written_out(rows):
     """numpy's median of each written-out resample, repeats of a scenario (first entry) together;
     means of the second column, which has no failures."""
-    scenarios, values = [row[0] for row in rows], np.array([row[1:] for row in rows])
+    scenarios = [row[0] for row in rows]
+    values = np.array([row[1:] for row in rows])
     table = pd.DataFrame(values, scenarios, ["a", "b"])
     middle = bootstrap(table, medians, resamples=80).loc["a"]
     mean, average = (
@@ -188,7 +189,8 @@ def test_the_extreme_of_several_has_a_wider_interval(of):
 def brute_force(table, engines, draws=2000):
     """Percentiles of the mean of a table whose lines and engines are drawn one by one."""
     random = np.random.default_rng(5)
-    lines, names = table.index.unique(), sorted(set(engines))
+    lines = table.index.unique()
+    names = sorted(set(engines))
     means = []
     for _ in range(draws):
         rows = np.concatenate(

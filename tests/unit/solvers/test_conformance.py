@@ -191,7 +191,8 @@ def test_multipliers_are_the_costates(scenario, spec, error):
 @pytest.mark.parametrize("limit", [0.0, 1e-9])
 def test_no_time_is_a_limit(spec, limit):
     """No exception, and nothing claimed of a point, if there is one."""
-    solver, question = load(spec), Question(PAPER["problem 1"])
+    solver = load(spec)
+    question = Question(PAPER["problem 1"])
     solution = solver.solve(solver.build(question), limit)
 
     assert solution.claim is Claim.LIMIT

@@ -38,7 +38,8 @@ def test_every_engine_meets_the_proven_optimum(engine, interface, name):
     """Point and multipliers keep the tolerance in every sign and order of rows."""
     if reason := missing_package(ENGINES[engine].package, "cvxpy"):
         pytest.skip(reason)
-    problem, tolerance = read(name), 1e-6
+    problem = read(name)
+    tolerance = 1e-6
 
     reply = prepare(engine, interface, problem)(Ask(tolerance, 60.0))
     found = residuals(problem, reply.point)
@@ -70,7 +71,8 @@ def test_the_questions_of_the_kit_are_packaged_problems():
 
 def test_an_attempt_is_judged_by_the_proof():
     """The row's numbers are those of the proven problem; no other label is answered."""
-    solver, low = Convex(engine="clarabel", tolerance=1e-6), reference(QP)[0]
+    solver = Convex(engine="clarabel", tolerance=1e-6)
+    low = reference(QP)[0]
 
     answer = attempt(solver, Question(route(QP), FROZEN))
     other = attempt(solver, Question(replace(route(QP), label="my route"), FROZEN))
@@ -116,7 +118,8 @@ def test_packaged_problems_are_those_that_freezing_gives(family, made_anew):
 
     assert replace(made.route, label=made.name) == route(made.name)
     for name in ("p", "q", "l", "u", "lb", "ub", "d"):
-        anew, before = getattr(made.problem, name), getattr(stored, name)
+        anew = getattr(made.problem, name)
+        before = getattr(stored, name)
         assert anew == pytest.approx(before, rel=1e-5, abs=1e-9)
     for name in ("A", "C"):
         difference = getattr(made.problem, name) - getattr(stored, name)
@@ -138,7 +141,8 @@ def test_the_fastest_drive_by_hand():
     steps = 300
     path = Path(Pose(0.0, 0.0, 0.0), np.zeros(steps), np.full(steps, 2 / steps))
     drive = best_drive(fastest(path))
-    top, slow = np.sqrt(0.01 + 4 / 3), 0.1
+    top = np.sqrt(0.01 + 4 / 3)
+    slow = 0.1
     seconds = (top - slow) / 0.5 + (top - slow) / 1.0
 
     reply = prepare("clarabel", "own", fastest(path))(Ask(1e-8, 60.0))

@@ -63,7 +63,8 @@ def mod_residuals(text, z):
     A small reader of its own: comments off, statements split at semicolons, in their order.
     """
     values = dict(zip(("z1", "z2", "z3"), z, strict=True))
-    residuals, objective = {}, None
+    residuals = {}
+    objective = None
     for statement in re.sub(r"#.*", "", text).split(";"):
         words = statement.split(maxsplit=2)
         if not words:
@@ -165,7 +166,8 @@ def test_the_closed_form_solves_the_disjunctive_model(name, tmp_path):
     straight = optimum.word[1] == "S"
     values = {"w[0]": second if straight else 0.0}
     for name, arc in {"alpha": first, "gamma": 0.0 if straight else second}.items():
-        angle, quarter = f"0,{name}", math.pi / 2
+        angle = f"0,{name}"
+        quarter = math.pi / 2
         quadrant = min(int(arc / quarter), 3)
         q = values[f"q[{angle}]"] = arc - quadrant * quarter
         values |= {f"z[{angle}]": arc, f"c[{angle}]": math.cos(arc), f"s[{angle}]": math.sin(arc)}

@@ -130,7 +130,8 @@ def test_free_and_given_headings_and_routes_in_one_frame(free):
         for name in COLUMNS:
             if name not in TIMES:
                 assert rows[name].dtype.kind == alone[name].dtype.kind
-                found, expected = rows[name].iloc[kind].tolist(), alone[name].tolist()
+                found = rows[name].iloc[kind].tolist()
+                expected = alone[name].tolist()
                 assert str(found) == str(expected), name
 
 

@@ -75,7 +75,11 @@ class Variable(float):
 class Model:
     """A stand-in for `gurobipy.Model` that knows its answer: z = (1, 0, 2)."""
 
-    Status, SolCount, NodeCount, IterCount, ObjBound = 2, 1, 5, 7, 2.9
+    Status = 2
+    SolCount = 1
+    NodeCount = 5
+    IterCount = 7
+    ObjBound = 2.9
 
     def __init__(self, env):
         self.Params = SimpleNamespace()

@@ -217,7 +217,8 @@ AHEAD = Scenario(x=0, y=0, heading=0.4, target_x=5, target_y=3)
 
 def begun(scenario, subproblems, kind):
     """The paths that the searches begin with, as their arcs of some length: a set of tuples."""
-    question, target = Question(scenario), local(scenario)
+    question = Question(scenario)
+    target = local(scenario)
     return sorted(
         tuple(
             (rate, length)

@@ -116,7 +116,8 @@ def test_a_word_without_a_path_is_not_claimed(name):
 @pytest.mark.parametrize("name", [n for n in AVAILABLE if ENGINES[n].keeps_limit])
 def test_without_time_a_run_ends(name):
     """At most a second late, on a program that would take some engines longer than that."""
-    engine, guess = ENGINES[name].load()(1e-14, 10**6), np.array((3.0, 3.0, 1.0))
+    engine = ENGINES[name].load()(1e-14, 10**6)
+    guess = np.array((3.0, 3.0, 1.0))
     solve(case("RS", PAPER["problem 1"]), np.array(WORD), 1e-3, engine)  # loads the library
     began = time.process_time()  # a busy machine takes the wall clock, not the processor
 
@@ -169,7 +170,8 @@ def test_a_tolerance_is_no_less_than_the_equations_rounding():
 )
 def test_every_engine_is_a_setting_and_has_a_line_in_the_list(spec, formulation, name):
     """With the reason for its absence, if there is one."""
-    solver, engine = load(spec), ENGINES[name]
+    solver = load(spec)
+    engine = ENGINES[name]
 
     assert solver.method[:2] == (formulation, engine.label)
     assert solver.runs is None
@@ -180,7 +182,8 @@ def test_every_engine_is_a_setting_and_has_a_line_in_the_list(spec, formulation,
 
 @pytest.mark.parametrize("name", ENGINES)
 def test_a_missing_package_is_a_reason(name, monkeypatch):
-    absent, find = ENGINES[name].packages[-1], importlib.util.find_spec
+    absent = ENGINES[name].packages[-1]
+    find = importlib.util.find_spec
     monkeypatch.setattr(
         importlib.util, "find_spec", lambda package: None if package == absent else find(package)
     )
@@ -190,7 +193,8 @@ def test_a_missing_package_is_a_reason(name, monkeypatch):
 
 def every_operation(p=(0.7, 1.3)):
     """A program in three variables that has every operation of the walk in it."""
-    x, q = casadi.SX.sym("x", 3), casadi.SX.sym("q", 2)
+    x = casadi.SX.sym("x", 3)
+    q = casadi.SX.sym("q", 2)
     f = x[0] + 2 * x[1] + x[2] ** 2 + casadi.sqrt(x[0]) - casadi.exp(-x[1]) / x[2]
     turn = casadi.sin(x[0] - x[1]) * q[0] - casadi.cos(x[0]) * casadi.sin(q[1])
     powers = x[1] ** 1.5 + casadi.log(x[2]) + 1 / x[0] + x[0] ** x[2]
@@ -202,10 +206,12 @@ def every_operation(p=(0.7, 1.3)):
 @pytest.mark.parametrize("weight", [0.0, 0.5, 1.0])
 def test_the_objective_has_its_weight_in_the_hessian(weight):
     """Against central differences; Uno gives it the weight 0 to look for a feasible point."""
-    posed, h = every_operation(), 1e-6
+    posed = every_operation()
+    h = 1e-6
     functions = posed.functions
     entries = functions.entries
-    x, weights = np.array((0.4, 1.1, 2.3)), np.array((0.3, -2.0, 1.5, 0.7))
+    x = np.array((0.4, 1.1, 2.3))
+    weights = np.array((0.3, -2.0, 1.5, 0.7))
     lower = np.zeros((3, 3))
 
     def slope(x):
@@ -218,7 +224,8 @@ def test_the_objective_has_its_weight_in_the_hessian(weight):
 
 
 def test_an_operation_that_is_not_known_is_named():
-    x, bound = casadi.SX.sym("x"), np.ones(1)
+    x = casadi.SX.sym("x")
+    bound = np.ones(1)
     expressions = Expressions(x, casadi.SX.sym("p", 0), casadi.floor(x), x)
 
     with pytest.raises(KeyError, match="OP_FLOOR"):

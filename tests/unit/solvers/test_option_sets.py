@@ -30,7 +30,8 @@ from tests.cases import PAPER, engine_params
 
 def program() -> Program:
     """Problem 7 of Hock and Schittkowski, Test Examples for Nonlinear Programming Codes (1981)."""
-    x, p = casadi.SX.sym("x", 2), casadi.SX.sym("p", 1)
+    x = casadi.SX.sym("x", 2)
+    p = casadi.SX.sym("p", 1)
     f = casadi.log(1 + x[0] ** 2) - x[1]
     written = Expressions(x, p, f, (1 + x[0] ** 2) ** 2 + x[1] ** 2 - p[0])
     upper = np.full(2, math.inf)
@@ -269,7 +270,8 @@ def test_apopt_within_a_worker_s_memory_limit():
 
 def test_text_means_what_the_expressions_mean(monkeypatch):
     """Python reads the text too; two values of the parameters, long expressions cut in pieces."""
-    x, p = casadi.SX.sym("x", 3), casadi.SX.sym("p", 2)
+    x = casadi.SX.sym("x", 3)
+    p = casadi.SX.sym("p", 2)
     f = casadi.sin(x[0]) ** 2 - x[1] / p[0] + casadi.sqrt(x[2]) * casadi.exp(-x[0])
     f += x[2] ** 1.5 + casadi.log(x[2]) + 1 / x[0] + x[0] ** x[2] + 2 * casadi.tan(p[0])
     f += casadi.atan(x[1]) - casadi.asin(0.1 * x[2]) * casadi.acos(x[0])

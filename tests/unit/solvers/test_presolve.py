@@ -146,7 +146,8 @@ def test_what_it_says_is_right_by_brute_force(place, word):
 def exact_distances(scenario: Scenario, word: str) -> tuple[float, float]:
     """Distances (radii) of a target from the circles of radius 1 and 3 about the first turn's
     centre, from balls of 300 bits."""
-    before, ctx.prec = ctx.prec, 300
+    before = ctx.prec
+    ctx.prec = 300
     try:
         cos, sin = arb(scenario.heading).cos(), arb(scenario.heading).sin()
         dx = arb(scenario.target_x) - arb(scenario.x)

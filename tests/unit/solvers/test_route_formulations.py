@@ -133,7 +133,10 @@ def test_every_engine_answers_or_says_that_it_does_not(spec, scenario):
 @pytest.mark.parametrize("scenario", [FREE, NEAR], ids=["free", "given"])
 def test_what_is_missed_and_its_slopes_are_those_of_the_path(scenario):
     """Against the path driven leg by leg, and differences of every element's turn and growth."""
-    course, random, n, h = body_course(scenario), np.random.default_rng(4), 4, 1e-6
+    course = body_course(scenario)
+    random = np.random.default_rng(4)
+    n = 4
+    h = 1e-6
     length = random.uniform(0.1, 3, n * course.legs)
     rate = random.uniform(-1, 1, length.size) * (np.arange(length.size) % 3 > 0)  # some straights
     elements = Elements(rate * length, length)
@@ -214,9 +217,11 @@ def test_the_program_of_known_words_is_the_joint_one_without_the_other_arcs(scen
     route = route_of(scenario)
     known = best_of_grid(scenario, 24)
     places = joint.word_places(route, known)
-    program, everything = joint.program(route, places), joint.program(route)
+    program = joint.program(route, places)
+    everything = joint.program(route)
     point = joint.words_guess(route, known)
-    functions, x = program.functions, joint._kept(point, places)
+    functions = program.functions
+    x = joint._kept(point, places)
 
     if scenario.final_heading is not None:  # else the last arc is left out
         assert np.abs(functions.equations(x)).max() < 1e-12
@@ -247,10 +252,12 @@ def random_route(random: np.random.Generator, legs: int, low: float, high: float
 @pytest.mark.parametrize("low", [0.3, 4.0])
 def test_slopes_and_curvatures_of_a_route_are_those_of_its_length(low):
     """Against central differences, wherever no word changes between their points."""
-    random, compared = np.random.default_rng(3), 0
+    random = np.random.default_rng(3)
+    compared = 0
     for _ in range(60):
         route = route_of(random_route(random, 4, low, low + 4))
-        x, h = random.uniform(-3, 3, route.unknowns), 1e-5
+        x = random.uniform(-3, 3, route.unknowns)
+        h = 1e-5
         functions = headings.program(route).functions
         steps = h * np.eye(x.size)
         words = {
@@ -277,9 +284,11 @@ def test_entries_are_those_of_the_whole_derivatives(posed, low):
 
     Whole matrices come from the same entries, or from functions written by hand.
     """
-    random, legs = np.random.default_rng(5), 20
+    random = np.random.default_rng(5)
+    legs = 20
     program = posed(route_of(random_route(random, legs, low, low + 4)))
-    functions, n = program.functions, program.lower.size
+    functions = program.functions
+    n = program.lower.size
     entries = functions.entries
     x = random.uniform(0.1, 3, n)
     weights = random.uniform(-2, 2, functions.equations(x).size)
@@ -296,10 +305,12 @@ def test_entries_are_those_of_the_whole_derivatives(posed, low):
 @pytest.mark.parametrize("final", [None, 1.0])
 def test_derivatives_of_a_route_are_those_of_its_equations(final):
     """Against central differences."""
-    random, h = np.random.default_rng(7), 1e-6
+    random = np.random.default_rng(7)
+    h = 1e-6
     scenario = replace(random_route(random, 5, 4.0, 8.0), final_heading=final)
     program = joint.program(route_of(scenario))
-    functions, n = program.functions, program.lower.size
+    functions = program.functions
+    n = program.lower.size
     x = random.uniform(0.1, 3, n)
     weights = random.uniform(-2, 2, functions.equations(x).size)
     both = [(x + step, x - step) for step in h * np.eye(n)]
@@ -321,7 +332,8 @@ def test_engines_of_sparse_programs_are_given_no_whole_matrix(engine):
     route = route_of(scenario)
     known = best_of_grid(scenario, 24)
     places = joint.word_places(route, known)
-    program, guess = joint.program(route, places), joint._kept(joint.words_guess(route), places)
+    program = joint.program(route, places)
+    guess = joint._kept(joint.words_guess(route), places)
     functions = program.functions._replace(jacobian=None, hessian=None)
 
     result = ENGINES[engine].load()(1e-6)(replace(program, written=functions), guess, 20.0)
@@ -345,7 +357,8 @@ def test_the_program_holds_all_six_words(seed):
     random = np.random.default_rng(seed)
     scenario = random_route(random, 12, 0.2, 4.0)
     route = route_of(scenario)
-    program, point = joint.program(route), joint.words_guess(route)
+    program = joint.program(route)
+    point = joint.words_guess(route)
 
     segments, words = route.shortest(route.headings(route.toward_next()))
     driven = path_of(scenario, WORD_TURNS[words].ravel(), segments.T.ravel())
@@ -360,11 +373,13 @@ def test_the_program_holds_all_six_words(seed):
 @pytest.mark.parametrize("guess", [joint.turned_guess, joint.random_guess])
 def test_the_equations_are_what_the_arcs_leave(guess):
     """Against the path driven leg by leg from the point where the leg begins."""
-    scenario, random = GIVEN, np.random.default_rng(5)
+    scenario = GIVEN
+    random = np.random.default_rng(5)
     route = route_of(scenario)
     point = guess(route, random) if guess is joint.random_guess else guess(route)
     left = joint.program(route).functions.equations(point)
-    arcs, heading = point.reshape(-1, 6)[:, :5], route.first
+    arcs = point.reshape(-1, 6)[:, :5]
+    heading = route.first
 
     for leg, step in enumerate(route.steps):
         start = Scenario(0, 0, heading, 1, 1)
@@ -378,7 +393,8 @@ def test_the_equations_are_what_the_arcs_leave(guess):
 def test_the_final_heading_may_be_turns_away():
     """The equation of a final heading holds after a whole turn more, and not at the opposite."""
     route = route_of(GIVEN)
-    program, point = joint.program(route), joint.turned_guess(route)
+    program = joint.program(route)
+    point = joint.turned_guess(route)
     assert program.functions.equations(point)[-1] == pytest.approx(0, abs=1e-12)
     for turn, left in ((2 * math.pi, 0.0), (4 * math.pi, 0.0), (math.pi, 2.0)):
         moved = point.copy()
@@ -418,7 +434,8 @@ def of_all_choices(scenario: Scenario, count: int) -> float:
     given = scenario.final_heading
     free = [grid] * (scenario.legs - (given is not None))
     ends = free if given is None else [*free, [given]]
-    points, least = scenario.points, math.inf
+    points = scenario.points
+    least = math.inf
     known: dict[tuple[int, float, float], float] = {}
 
     def length(leg: int, a: float, b: float) -> float:

@@ -66,7 +66,8 @@ def test_the_pieces_are_solutions_of_the_canonical_equations(turns, durations, c
 @given(durations, costates)
 def test_the_jacobian_is_the_derivative_of_the_residual(turns, durations, costates):
     """Central differences with step 1e-6 are right to about 1e-9 for numbers of this size."""
-    structure, h = Structure(turns, 3.0, -2.0), 1e-6
+    structure = Structure(turns, 3.0, -2.0)
+    h = 1e-6
     v = structure.unknowns(costates, durations)
     numeric = np.column_stack(
         [
@@ -100,7 +101,8 @@ def test_margins_down_to_rounding(front, side):
 def test_an_extremal_need_not_be_the_shortest():
     """LS where RS is best meets every condition: this is why the claim is local."""
     problem = PAPER["problem 1"]
-    best, other = solve(problem, "shooting"), solve(problem, "shooting", "LS")
+    best = solve(problem, "shooting")
+    other = solve(problem, "shooting", "LS")
 
     assert other.length > best.length + 1
     assert other.claim is Claim.LOCAL

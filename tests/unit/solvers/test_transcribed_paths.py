@@ -221,8 +221,10 @@ def test_the_miss_falls_as_radaus_order_says(points):
 def test_equations_are_the_gap_at_the_end(n, seed):
     """An adaptive integrator drives the steps one after another."""
     random = np.random.default_rng(seed)
-    rate, whole = random.uniform(-1, 1, n), random.uniform(0.5, 8)
-    share, target = random.dirichlet(np.ones(n)), random.normal(size=2)
+    rate = random.uniform(-1, 1, n)
+    whole = random.uniform(0.5, 8)
+    share = random.dirichlet(np.ones(n))
+    target = random.normal(size=2)
     pose = integrated(Path(Pose(0, 0, 0), rate, share * whole))
 
     functions = expressions(n, 1, 0).functions(np.concatenate((target, share)))
@@ -284,7 +286,8 @@ def check_path(scenario: Scenario, solution: Solution, found: Judgement, n: int)
 )
 def test_every_engine_answers_everywhere(engine: str, place: str) -> None:
     """A path with a small gap, or at least a claim that says there is none."""
-    scenario, solver = scenario_at(*PLACES[place]), TurnRateQp(n=30, engine=engine, options="tuned")
+    scenario = scenario_at(*PLACES[place])
+    solver = TurnRateQp(n=30, engine=engine, options="tuned")
 
     solution, found = ask(scenario, solver=solver)
 
@@ -329,7 +332,8 @@ def test_failing_engine_is_a_claim(engine: str, monkeypatch: pytest.MonkeyPatch)
 @pytest.mark.parametrize("engine", ENGINES)
 def test_compiled_qp_solves_what_cvxpy_solves(engine: str) -> None:
     """Values written into the engine's arrays give the answer that cvxpy's own path gives."""
-    n, qp = 12, template(6, 2, True, engine)
+    n = 12
+    qp = template(6, 2, True, engine)
     random = np.random.default_rng(5)
     numbers = Numbers(
         G=random.normal(size=(2, n)) / n,
@@ -374,7 +378,8 @@ def test_random_scenarios(target: tuple[float, float], exponent: float, n: int, 
 
     By the two engines that are expected never to fail.
     """
-    scenario, solver = scenario_at(*target, radius=10.0**exponent), TurnRateQp(n=n, engine=engine)
+    scenario = scenario_at(*target, radius=10.0**exponent)
+    solver = TurnRateQp(n=n, engine=engine)
     # nearer than the miss that is allowed, one may stand for the other side or for staying; beside
     # the axis ahead, straight on stands for the turn to the other side, which takes a full circle
     assume(margin(scenario) > 1e-8 and math.hypot(*target) > 1e-8)

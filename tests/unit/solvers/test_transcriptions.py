@@ -135,7 +135,8 @@ def test_from_nothing(spec, guess, runs):
 
 def test_given_guesses_are_the_only_ones():
     """Kind `given` tries the path alone; without one it is `bearing`."""
-    path, spec = solve(PLACE, "analytic").path, "multiple-shooting[initial_guess=given]"
+    path = solve(PLACE, "analytic").path
+    spec = "multiple-shooting[initial_guess=given]"
 
     assert solve(PLACE, spec, initial_guess=path).subproblems == "warm"
     assert set(solve(PLACE, spec).subproblems.split()) == {"LS", "RS", "LR", "RL"}
@@ -197,7 +198,8 @@ def test_equations_are_the_gaps_between_driven_segments(n, seed, equal):
 
     gaps = program.functions(target).equations(x)
 
-    length, turn = left + right + straight, left - right
+    length = left + right + straight
+    turn = left - right
     ends = np.array([arc_end(*state) for state in zip(starts, turn, length, strict=True)])
     expected = []
     for k in range(n):

@@ -65,7 +65,8 @@ def linear(rows: list[list[float]], offset: list[float]):
     import casadi
 
     A = np.array(rows)
-    x, p = casadi.SX.sym("x", A.shape[1]), casadi.SX.sym("p", 0)
+    x = casadi.SX.sym("x", A.shape[1])
+    p = casadi.SX.sym("p", 0)
     source = Expressions(x, p, casadi.sum1(x), casadi.mtimes(casadi.DM(A), x) + casadi.DM(offset))
     ends = np.full(A.shape[1], 2.0)
     return Program(source, np.zeros(0), -ends, ends)

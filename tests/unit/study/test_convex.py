@@ -43,7 +43,8 @@ def disc(radius: float) -> Problem:
 
 def test_bounds_enclose_an_optimum_known_by_hand():
     """Minimising x + y over a disc of radius 2 gives -2 sqrt(2)."""
-    problem, optimum = disc(2.0), -2 * np.sqrt(2)
+    problem = disc(2.0)
+    optimum = -2 * np.sqrt(2)
     side = 1 / np.sqrt(2)
     best = Point(np.full(2, -2 * side), EMPTY, np.zeros(2), np.array([np.sqrt(2), 1.0, 1.0]))
 
@@ -56,9 +57,11 @@ def test_bounds_enclose_an_optimum_known_by_hand():
 
 def test_bounds_hold_for_any_point():
     """However wrong a point is, its bounds stay on their sides of the optimum."""
-    problem, random = disc(2.0), np.random.default_rng(5)
+    problem = disc(2.0)
+    random = np.random.default_rng(5)
     for size in (1e-8, 1e-3, 1.0, 1e3):
-        x, w = size * random.normal(size=2), size * random.normal(size=3)
+        x = size * random.normal(size=2)
+        w = size * random.normal(size=3)
         assert upper_bound(problem, x - np.sqrt(2)) >= -2 * np.sqrt(2) - 1e-15
         assert lower_bound(problem, Point(x, EMPTY, EMPTY, w)) <= -2 * np.sqrt(2) + 1e-15
 
@@ -85,7 +88,8 @@ def test_every_size_and_family_has_problems():
 
 def test_an_equation_is_closed_by_its_own_variable():
     """Of x = 1/3 over y + x with x in [0, 1] the proof takes x for what closes it, not a float."""
-    A, none = csr_array(np.array([[3.0, -1.0]])), csr_array((0, 2))
+    A = csr_array(np.array([[3.0, -1.0]]))
+    none = csr_array((0, 2))
     problem = Problem(
         p=np.zeros(2), q=np.array([1.0, 0.0]), A=A, l=np.array([0.1]), u=np.array([0.1]),
         lb=np.zeros(2), ub=np.ones(2), C=none, d=EMPTY, cones=np.zeros(0, dtype=int),
@@ -110,7 +114,8 @@ def test_feasible_value_agrees_with_another_engine(name):
         bounds=np.column_stack((flat.lb, flat.ub)),
     )  # fmt: skip
     y = np.zeros(flat.l.size)
-    y[rows], y[~rows] = -solved.ineqlin.marginals, -solved.eqlin.marginals
+    y[rows] = -solved.ineqlin.marginals
+    y[~rows] = -solved.eqlin.marginals
 
     # HiGHS keeps rows and reduced costs to 1e-7
     low = lower_bound(flat, Point(solved.x, y, EMPTY, EMPTY))
@@ -122,7 +127,8 @@ def test_feasible_value_agrees_with_another_engine(name):
 def test_verdicts(name):
     """The witness is optimal; the same point moved is longer, or misses."""
     problem = read(name)
-    numbers, tolerance = np.concatenate(problem.witness), 1e-6
+    numbers = np.concatenate(problem.witness)
+    tolerance = 1e-6
     steps = {Verdict.OPTIMAL: 0.0, Verdict.LONGER: 0.5}
     for verdict, step in steps.items():
         moved = numbers.copy()
@@ -141,7 +147,8 @@ def test_verdicts(name):
 
 def test_a_file_comes_back_as_it_was_written(tmp_path):
     """Writing and reading keeps every number, and the same problem gives the same bytes."""
-    problem, file = disc(1.5), tmp_path / "disc.npz"
+    problem = disc(1.5)
+    file = tmp_path / "disc.npz"
     digest = write(problem, file)
     back = parse(file.read_bytes(), "disc")
 

@@ -15,7 +15,8 @@ cp = pytest.importorskip("cvxpy")
 @pytest.mark.parametrize("name", ["qp-50-random-6-0", "qp-50-survey-3-3"])
 def test_highs_reads_a_qps_file(name, tmp_path):
     """HiGHS reads the numbers of the problem, and its optimum lies in the proven interval."""
-    problem, file = read(name), tmp_path / "problem.mps"
+    problem = read(name)
+    file = tmp_path / "problem.mps"
     file.write_text(qps_text(problem, name))
     solver = highspy.Highs()
     solver.setOptionValue("output_flag", False)
@@ -55,7 +56,8 @@ def cbf_optimum(text):
     assert (blocks["VER"].strip(), blocks["OBJSENSE"].strip()) == ("3", "MIN")
     assert free == ["F", str(n)]
     m, cones = table("CON")
-    cost, b = np.zeros(n), np.zeros(m)
+    cost = np.zeros(n)
+    b = np.zeros(m)
     for place, value in table("OBJACOORD")[1]:
         cost[int(place)] = float(value)
     for place, value in table("BCOORD")[1]:

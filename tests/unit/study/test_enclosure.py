@@ -34,7 +34,8 @@ def textbook(X: mp.mpf, Y: mp.mpf, heading: mp.mpf) -> dict[str, mp.mpf]:
     out.
     """
     turn = 2 * mp.pi
-    d, phi = mp.hypot(X, Y), mp.atan2(Y, X)
+    d = mp.hypot(X, Y)
+    phi = mp.atan2(Y, X)
     a, b = -phi % turn, (heading - phi) % turn
     sa, ca, sb, cb = mp.sin(a), mp.cos(a), mp.sin(b), mp.cos(b)
     both = 2 * mp.cos(a - b)
@@ -66,7 +67,8 @@ def lengths_within_delta(
     The ends are anywhere in the cube of half width delta about the exact values of the doubles.
     """
     start, end, radius = poses_of(row)
-    delta, R = leg(start, end, radius).delta, mp.mpf(radius)
+    delta = leg(start, end, radius).delta
+    R = mp.mpf(radius)
     dx, dy = (mp.mpf(end.x) - start.x) / R, (mp.mpf(end.y) - start.y) / R
     c, s = mp.cos(mp.mpf(start.heading)), mp.sin(mp.mpf(start.heading))
     heading = mp.mpf(end.heading) - start.heading
@@ -211,7 +213,8 @@ def test_threads_and_vectors_do_not_change_a_bit(kind):
     frame = kind.hard(700)
     many = pd.concat([frame] * (SMALL // 700 + 2), ignore_index=True)
     short, long = columns(kind, frame), columns(kind, many)
-    alone, threaded = kind.lengths(*short), kind.lengths(*long)
+    alone = kind.lengths(*short)
+    threaded = kind.lengths(*long)
     for i in range(0, 700, 7):
         single = kind.lengths(*columns(kind, frame[i : i + 1]))
         for a, b in zip(single, alone, strict=True):

@@ -61,7 +61,8 @@ def driven(path: Path, nu, nu0: float, radius: float):
         flow = solve_ivp(
             field, (length, 0), state, rtol=1e-12, atol=1e-12, t_eval=np.linspace(length, 0, 50)
         )
-        theta, nu3 = flow.y[2], flow.y[3]
+        theta = flow.y[2]
+        nu3 = flow.y[3]
         H = nu0 + nu[0] * np.cos(theta) + nu[1] * np.sin(theta) + nu3 * u
         largest = max(largest, float(np.abs(H).max()))
         if u != 0:
@@ -211,7 +212,8 @@ def route(seed: int, shortest: float, free: bool) -> Scenario:
     """A random route of two to six legs."""
     rng = np.random.default_rng(seed)
     n = int(rng.integers(2, 7))
-    lengths, directions = rng.uniform(shortest, 4 * shortest, n), rng.uniform(-4, 4, n)
+    lengths = rng.uniform(shortest, 4 * shortest, n)
+    directions = rng.uniform(-4, 4, n)
     final = None if free else float(rng.uniform(-3, 3))
     start = (*rng.uniform(-5, 5, 2), rng.uniform(-3, 3))
     points = walked(lengths, directions)[1:] + start[:2]

@@ -116,7 +116,8 @@ def test_chords_of_geojson_are_near_their_arcs(pieces, share):
 def _distance(point, line):
     """From a point to a chain of segments."""
     line = np.asarray(line)
-    begin, along = line[:-1], np.diff(line, axis=0)
+    begin = line[:-1]
+    along = np.diff(line, axis=0)
     share = np.sum((point - begin) * along, axis=1) / np.maximum(np.sum(along**2, axis=1), 1e-300)
     return np.hypot(*(begin + np.clip(share, 0, 1)[:, None] * along - point).T).min()
 
@@ -133,7 +134,8 @@ def test_a_circle_has_as_few_chords_as_its_error_allows():
 
 
 ARC = Path(Pose(0, 0, 0), [1], [1])
-STEPS, SHARES = (0, -1, math.nan, math.inf, 1e-9, None, "1", True), (0, -1, 1.5, math.nan)
+STEPS = (0, -1, math.nan, math.inf, 1e-9, None, "1", True)
+SHARES = (0, -1, 1.5, math.nan)
 
 
 @pytest.mark.parametrize(

@@ -48,7 +48,9 @@ def test_every_word_against_a_search():
     rng = np.random.default_rng(3)
     for _ in range(200):
         size = rng.choice([1, 3, 8])
-        X, Y, heading = rng.uniform(-size, size), rng.uniform(-size, size), rng.uniform(-3, 3)
+        X = rng.uniform(-size, size)
+        Y = rng.uniform(-size, size)
+        heading = rng.uniform(-3, 3)
         expected = pose_words_by_search(X, Y, heading)
         for index, word in enumerate(WORDS6):
             total = sum(pose_segments(X, Y, 0.0, heading, index, 0.0))
@@ -135,7 +137,8 @@ def test_the_arcs_of_nearly_one_circle_add_up_to_the_turn(p):
     """Of LSL and RSR with a straight so short that nobody knows where on the circle it is."""
     for a, first, last in ((-1.744, 1.164, 0.474), (0.3, 4.0, 5.0), (2.0, 1e-3, 3.0)):
         for index, turn in ((0, 1), (1, -1)):
-            middle, b = a + turn * first, a + turn * (first + last)
+            middle = a + turn * first
+            b = a + turn * (first + last)
             x = turn * (math.sin(b) - math.sin(a)) + p * math.cos(middle)
             y = -turn * (math.cos(b) - math.cos(a)) + p * math.sin(middle)
             t, _, q = pose_segments(x, y, a, b, index, pose_delta(0.0, abs(x) + abs(y)))

@@ -14,7 +14,8 @@ LIMIT = 60.0  # s; every route here closes long before on a machine of its own
 
 def random_route(seed, legs, least, most):
     rng = np.random.default_rng(seed)
-    direction, length = rng.uniform(-math.pi, math.pi, legs), rng.uniform(least, most, legs)
+    direction = rng.uniform(-math.pi, math.pi, legs)
+    length = rng.uniform(least, most, legs)
     return walked(length, direction)
 
 

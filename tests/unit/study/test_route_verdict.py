@@ -44,7 +44,8 @@ NO_TIME = Tolerances(search_s=1e-9)
 )
 def test_what_misses_and_why(scenario, changed, branch, reason):
     """A millionth of the radius is allowed. The campaign tries misses of every size."""
-    path, asked = solve(scenario).path, replace(scenario, **changed)
+    path = solve(scenario).path
+    asked = replace(scenario, **changed)
     expected = Verdict.OPTIMAL if reason is None else Verdict.MISSES
 
     assert judge(asked, path, branch=branch).verdict is expected
@@ -247,7 +248,8 @@ def test_missing_by_a_little_buys_no_turn(via):
     A path to the circle, which misses by less than is allowed, is compared with the shortest one to
     where it ends: it is right, but only an extremal.
     """
-    inside, arc = 1 - 5e-7, 1.0
+    inside = 1 - 5e-7
+    arc = 1.0
     last = Pose(inside * math.sin(arc), 1 - inside * math.cos(arc), arc)
     path = Path(Pose(0, 0, 0), [1.0], [arc])
     scenario = Scenario(target_x=last.x, target_y=last.y, final_heading=arc)

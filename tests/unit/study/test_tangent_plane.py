@@ -107,7 +107,9 @@ def test_beside_a_pole(longitude):
 
 def test_a_scenario_of_places_is_the_inverse_of_geojson():
     """Its path begins and ends where it was asked to, in degrees."""
-    start, via, target = (11.5, 48.1), (11.51, 48.103, "90deg"), (11.52, 48.1)
+    start = (11.5, 48.1)
+    via = (11.51, 48.103, "90deg")
+    target = (11.52, 48.1)
     scenario = Scenario.from_lonlat(start, target, via=[via], radius=60, heading=None)
     middle = middle_of([start, via[:2], target])
     origin = middle.latitude, middle.longitude

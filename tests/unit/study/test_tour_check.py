@@ -48,7 +48,8 @@ def test_each_point_is_visited_first_in_any_order(seed):
     assert seen.turned < 1e-6
     assert sorted(seen.order) == list(range(6))
     assert list(seen.at) == sorted(seen.at)
-    samples, step = path.sample(SAMPLES), path.length / (SAMPLES - 1)
+    samples = path.sample(SAMPLES)
+    step = path.length / (SAMPLES - 1)
     for place, at in zip(seen.order, seen.at, strict=True):
         stop = stops[place]
         assert at <= placed[place] + 1e-6

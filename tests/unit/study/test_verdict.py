@@ -121,7 +121,8 @@ def test_the_reference_is_relaxed_over_the_miss_near_a_circle():
     """
     inside = on_left_circle(0.3, inside=1e-7)
     arc = Path(inside.start, [1.0], [0.3])
-    exact, longer = judge(inside, shortest_path(inside)), judge(inside, shortest_path(inside, "RS"))
+    exact = judge(inside, shortest_path(inside))
+    longer = judge(inside, shortest_path(inside, "RS"))
     short, as_ls = judge(inside, arc), judge(inside, arc, branch="LS")
 
     assert exact.length == pytest.approx(6.535, abs=1e-3)
@@ -214,7 +215,10 @@ def test_tolerances_decide():
 def test_margin_is_the_distance_to_the_nearer_circle(scenario):
     """Against the distance computed in the world frame."""
     found = judge(scenario, None)
-    x, y, heading, radius = scenario.x, scenario.y, scenario.heading, scenario.radius
+    x = scenario.x
+    y = scenario.y
+    heading = scenario.heading
+    radius = scenario.radius
     centres = [
         (x - side * radius * math.sin(heading), y + side * radius * math.cos(heading))
         for side in (1, -1)

@@ -43,7 +43,9 @@ def test_the_least_distance_is_that_of_dense_samples(seed):
 def test_each_visit_is_the_earliest_after_the_one_before():
     """On a circle driven twice, points on opposite sides alternate."""
     path = Path(Pose(0, 0, 0), [1.0], [4 * math.pi])
-    right, top, left = Stop(1, 1, None), Stop(0, 2, None), Stop(-1, 1, None)
+    right = Stop(1, 1, None)
+    top = Stop(0, 2, None)
+    left = Stop(-1, 1, None)
     at = [0.5 * math.pi, math.pi, 1.5 * math.pi]
 
     assert visits(path, [right, top, left], 1, 1e-6).at == pytest.approx(at)

@@ -66,7 +66,8 @@ def word_length(word, x, y, t1, t2):
         return math.inf
     off = math.acos(min(1.0, d / 4.0))  # between the way and that to the middle circle
     gap = 1e-14 + 1e-15 / max(off, 1e-8)
-    a, c = arc(way + off + _PI / 2 - t1, gap), arc(t2 - way + off - 1.5 * _PI, gap)
+    a = arc(way + off + _PI / 2 - t1, gap)
+    c = arc(t2 - way + off - 1.5 * _PI, gap)
     middle = _PI + 2.0 * off
     return math.inf if max(a, c) > middle + 1e-12 else a + middle + c
 
@@ -138,35 +139,46 @@ def single_arc_headings(x, y, kind):
 def least(word, box):
     """The least length with the potential that is found in a box: on a grid, on edges, downhill."""
     h1, h2 = box[3], box[6]
-    best, t1, t2 = math.inf, 0.0, 0.0
+    best = math.inf
+    t1 = 0.0
+    t2 = 0.0
     for kind in range(4):
         a, b = single_arc_headings(box[0], box[1], kind)
         a, b = beside(a, box[2]), beside(b, box[5])
         value = value_at(word, box, a, b)
         if value < best:
-            best, t1, t2 = value, a, b
+            best = value
+            t1 = a
+            t2 = b
     found = np.empty(5)
     for place in range(_STEPS * _STEPS + 9 * _ROUNDS):
         # a grid at first, then ever smaller steps from the best headings
-        on_grid, step = place < _STEPS * _STEPS, (place - _STEPS * _STEPS) // 9
+        on_grid = place < _STEPS * _STEPS
+        step = (place - _STEPS * _STEPS) // 9
         if on_grid:
             near1 = h1 * (2.0 * (place % _STEPS) / (_STEPS - 1) - 1.0)
             near2 = h2 * (2.0 * (place // _STEPS) / (_STEPS - 1) - 1.0)
         else:
             if place % 9 == _STEPS * _STEPS % 9:
-                s1, s2, size = t1, t2, 0.6**step / _STEPS
+                s1 = t1
+                s2 = t2
+                size = 0.6**step / _STEPS
             near1 = min(max(s1 + (place % 3 - 1) * h1 * size, -h1), h1)
             near2 = min(max(s2 + (place // 3 % 3 - 1) * h2 * size, -h2), h2)
         value = value_at(word, box, near1, near2)
         if value < best:
-            best, t1, t2 = value, near1, near2
+            best = value
+            t1 = near1
+            t2 = near2
         for forward in (True, False):
             n = along_edges(word, box, near1 if forward else near2, forward, found)
             for i in range(n):
                 a, b = (near1, found[i]) if forward else (found[i], near2)
                 value = value_at(word, box, a, b)
                 if value < best:
-                    best, t1, t2 = value, a, b
+                    best = value
+                    t1 = a
+                    t2 = b
     return best
 
 
@@ -206,10 +218,14 @@ def holding(rng, word, arcs, half, slope1, slope2):
 def single_arc(rng, n, half):
     """LSL of one arc, where both circles are one; flat for a costate that no S between beats."""
     T = rng.uniform(0.2, 6.0, 20 * n)
-    rho, angle = rng.uniform(0.0, 3.0, 20 * n), rng.uniform(-_PI, _PI, 20 * n)  # of t1 = 0
+    # of t1 = 0
+    rho = rng.uniform(0.0, 3.0, 20 * n)
+    angle = rng.uniform(-_PI, _PI, 20 * n)
     along = np.linspace(0.0, 1.0, 200)[:, None] * T
     flat = np.flatnonzero((rho * np.cos(along - angle)).max(axis=0) < 1.0)[:n]
-    T, rho, angle = T[flat], rho[flat], angle[flat]
+    T = T[flat]
+    rho = rho[flat]
+    angle = angle[flat]
     slopes = 1.0 - rho * np.cos(angle), 1.0 - rho * np.cos(T - angle)
     return holding(rng, LSL, (T, 0 * T, 0 * T), half, *slopes)
 
@@ -224,7 +240,9 @@ def touching(rng, n, half):
 
 def single_arc_of_two(rng, n, half):
     """LSR of one arc, the last one or the first; flat with multipliers of what vanishes."""
-    arc, mu, tau = rng.uniform(0.3, 5.9, n), rng.uniform(0.0, 3.0, n), rng.uniform(-2.0, 2.0, n)
+    arc = rng.uniform(0.3, 5.9, n)
+    mu = rng.uniform(0.0, 3.0, n)
+    tau = rng.uniform(-2.0, 2.0, n)
     flat = -0.5 * mu, 1.0 - (1.0 - 0.5 * mu) * np.cos(arc) + tau * np.sin(arc)
     last = rng.random(n) < 0.5
     arcs = np.where(last, 0.0, arc), 0.0 * arc, np.where(last, arc, 0.0)
@@ -237,7 +255,8 @@ def smooth(word):
         a, c = rng.uniform(0.1, 3.0, (2, n))
         s = rng.uniform(_PI + 0.3, _TWO_PI - 0.3, n) if word == LRL else rng.uniform(1.0, 9.0, n)
         if word == LRL:
-            a, c = a % (s / 2), c % (s / 2)
+            a = a % (s / 2)
+            c = c % (s / 2)
         pull = 0.0 if word != LRL else s / 2
         slope1, slope2 = (1.0 - np.cos(pull - x) / np.cos(pull) for x in (a, c))
         side = 1 if word != LSR else -1
@@ -257,13 +276,15 @@ def vanishing_outer_arcs(rng, n, half):
 
     def outer(t1, t2):
         dx, dy = x - np.sin(t2) + np.sin(t1), y + np.cos(t2) - np.cos(t1)
-        way, off = np.arctan2(dy, dx), np.arccos(np.hypot(dx, dy) / 4.0)
+        way = np.arctan2(dy, dx)
+        off = np.arccos(np.hypot(dx, dy) / 4.0)
         return np.array([way + off - t1, t2 - way + off]), _PI + 2.0 * off
 
     step = 1e-6
     parts = []
     for d1, d2 in ((step, 0.0), (0.0, step)):
-        (up, middle_up), (down, middle_down) = outer(d1, t2 + d2), outer(-d1, t2 - d2)
+        up, middle_up = outer(d1, t2 + d2)
+        down, middle_down = outer(-d1, t2 - d2)
         off = np.remainder(up - down + _PI, _TWO_PI) - _PI
         rest = off.sum(axis=0) + middle_up - middle_down - mu1 * off[0] - mu2 * off[1]
         parts.append(rest / (2 * step))
@@ -487,14 +508,17 @@ def beside_arcs(n, seed):
     """
     rng = np.random.default_rng(seed)
     arc = np.where(np.arange(n) % 3, rng.uniform(0.05, 6.2, n), math.pi)
-    left, back = rng.random(n) < 0.5, np.arange(n) % 2 == 1
-    side, way = np.where(left, 1.0, -1.0), np.where(back, -1.0, 1.0)
+    left = rng.random(n) < 0.5
+    back = np.arange(n) % 2 == 1
+    side = np.where(left, 1.0, -1.0)
+    way = np.where(back, -1.0, 1.0)
     # from a start at the origin; backwards its arcs end there
     x, y = way * np.sin(arc), side * (1.0 - np.cos(arc))
     heading = side * way * arc
     half = 10 ** rng.uniform(-4, -0.5, n)
     off = (half + 10 ** rng.uniform(-5, -1, n)) * rng.choice([-1.0, 1.0], n)
-    slopes, zero = rng.uniform(-2.5, 2.5, n), np.zeros(n)
+    slopes = rng.uniform(-2.5, 2.5, n)
+    zero = np.zeros(n)
     start, end = [zero, zero, zero], [heading + off, half, slopes]
     columns = [np.where(back, b, a) for a, b in zip(start + end, end + start, strict=True)]
     x, y = np.where(back, -x, x), np.where(back, -y, y)
@@ -510,7 +534,8 @@ def test_a_bound_beside_an_arc_is_below_every_length(n):
     """Where a point lies on a turning circle words are left out that no other heading has."""
     boxes, apart = beside_arcs(n, seed=n)
 
-    lengths, bounds = sampled(boxes), bounds_apart(boxes, apart)
+    lengths = sampled(boxes)
+    bounds = bounds_apart(boxes, apart)
 
     # no box is nearer to the arc's heading than 1e-5, where rounding moves circles 4 apart by its
     # size, and the angles of the triangle with the third one 1e5 times as much

@@ -49,7 +49,9 @@ class TwoArcs(Solver):
         """
         end = perf_counter() + limit
         words = WORDS if question.branch == "best" else (question.branch,)
-        best, claim, tried = None, Claim.LOCAL, 0
+        best = None
+        claim = Claim.LOCAL
+        tried = 0
         for path in (path for word in words for path in self.paths(question.scenario, word)):
             tried += 1
             if path is not None and (best is None or path.length < best.length):
@@ -64,7 +66,8 @@ class TwoArcs(Solver):
 
     def paths(self, scenario: Scenario, word: str) -> Iterator[Path | None]:
         """For each guess the path of a word that arrives, or None."""
-        radius, start = scenario.radius, scenario.start
+        radius = scenario.radius
+        start = scenario.start
         curvature = np.array([TURN[letter] for letter in word]) / radius
         target = np.array([scenario.target_x, scenario.target_y])
         distance = math.hypot(*(target - start[:2])) / radius

@@ -44,7 +44,8 @@ class Moves(Habit):
 class Tells(Habit):
     """Prints, and promises not to."""
 
-    name, keeps_limit = "tells", True
+    name = "tells"
+    keeps_limit = True
 
     def habit(self) -> None:
         print("iteration 1 of 1")
@@ -94,7 +95,8 @@ class Spawns(Habit):
 class Late(Habit):
     """Promises to keep its limit, and takes two seconds."""
 
-    name, keeps_limit = "late", True
+    name = "late"
+    keeps_limit = True
 
     def habit(self) -> None:
         time.sleep(2)
