@@ -1,4 +1,7 @@
-"""Dense tracks have sane routes, whatever the limit, and limits that hold."""
+"""Dense tracks have sane routes and honest limits.
+
+That holds whatever the limit of time.
+"""
 
 import gc
 from time import process_time
@@ -23,7 +26,10 @@ LATE_S = 0.3  # what solving may take beyond its limit
 @pytest.mark.parametrize("limit", [1.0, 3.0])
 @pytest.mark.parametrize("seed", range(12))
 def test_dense_tracks_have_sane_routes(seed, limit):
-    """Of 50 to 5 000 points, with a limit: a sane path, an honest interval, in time."""
+    """A sane path, an honest interval, in time.
+
+    The tracks have 50 to 5 000 points; the search has a limit.
+    """
     _, points, first = dense.drawn(seed)
     bisecting, program = dense.lengths(points, first)
     (x, y), *via, (target_x, target_y) = points.tolist()
@@ -49,7 +55,10 @@ def test_dense_tracks_have_sane_routes(seed, limit):
 @pytest.mark.many(1)
 @pytest.mark.parametrize("seed", [5, 7, 15])
 def test_more_effort_makes_no_path_longer(seed):
-    """The search does the same work in the same order, and keeps the best route."""
+    """More effort makes no path longer.
+
+    The search does the same work in the same order, and keeps the best route.
+    """
     _, points, first = dense.drawn(seed)
     bisecting, program = dense.lengths(points, first)
 
@@ -64,7 +73,10 @@ def test_more_effort_makes_no_path_longer(seed):
 @pytest.mark.smoke
 @pytest.mark.parametrize(("points", "spacing"), [(200, 0.2), (5000, 0.5)])
 def test_the_first_route_of_a_circle_has_no_loops(points, spacing):
-    """Points on a circle of 5R; no effort is spent but for the first route."""
+    """The first route of a circle has no loops.
+
+    Its points lie on a circle of 5R. No effort is spent but for the first route.
+    """
     track = dense.circle(points, spacing, radius=5.0)
 
     route = search(track, 0.0, boxes=0)

@@ -1,4 +1,7 @@
-"""Hostile plug-ins through the conformance kit: each is a finding, in plain text."""
+"""The conformance kit finds hostile plug-ins.
+
+Each is a finding, in plain text.
+"""
 
 import re
 

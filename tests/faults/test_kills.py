@@ -1,4 +1,7 @@
-"""kill -9 of the whole run at any moment: resume completes exactly what is missing."""
+"""Resume completes a run after kill -9.
+
+The whole run is killed at any moment; exactly the missing rows are added.
+"""
 
 import json
 import time
@@ -25,7 +28,10 @@ CELLS = 80
 
 @pytest.fixture
 def asking(tmp_path):
-    """Answers of every outcome that takes no time to come, some cells in two blocks alike."""
+    """An experiment of quick answers of every outcome.
+
+    Some cells are in two blocks alike.
+    """
     solvers = [
         spec("honest", "Honest"),
         spec("honest", "Napping", nap=0.3),
@@ -38,7 +44,9 @@ def asking(tmp_path):
 @pytest.mark.slow
 @pytest.mark.timeout(1500)
 def test_killed_at_random_moments(asking, tmp_path):
-    """Each run is killed some parts and a moment after its start: all of it, or its supervisor.
+    """Killed runs are resumed at random moments.
+
+    Each is killed some parts and a moment after its start: all of it, or its supervisor.
 
     A run that ends before it is killed does not count; the next one begins anew.
     """

@@ -1,4 +1,7 @@
-"""Solvers that change what a process shares: no other solver's row shows it."""
+"""No solver's changed state shows in others' rows.
+
+The solvers change what a process shares.
+"""
 
 import os
 import re
@@ -23,7 +26,10 @@ N = len(STATES)
     scope="module", params=[1, pytest.param(2, marks=pytest.mark.slow)], ids=lambda n: f"{n} jobs"
 )
 def tainted(request, tmp_path_factory):
-    """Every state changed, and witnesses in between, in a drawn order."""
+    """A run of every changed state.
+
+    Witnesses are in between, in a drawn order.
+    """
     folder = tmp_path_factory.mktemp("tainted")
     asking = experiment(folder, ([TAINTING, SOMETIMES], N), ([WITNESS], 2 * N))
     options = ("--jobs", request.param, "--time-limit", 1, "--out", folder / "out")
@@ -35,7 +41,10 @@ def tainted(request, tmp_path_factory):
 @pytest.mark.smoke
 @pytest.mark.parametrize("name", STATES)
 def test_the_witness_would_see_it(name):
-    """Each change, made in a process of its own, is told apart from its absence."""
+    """The witness sees each change.
+
+    Each change, made in a process of its own, is told apart from its absence.
+    """
     change, changed = STATES[name]
     child = os.fork()
     if child == 0:
@@ -128,7 +137,10 @@ BEFORE = [
 @pytest.mark.many(1)
 @pytest.mark.parametrize(("what", "where"), BEFORE)
 def test_plugins_that_go_wrong_before_they_are_asked(tmp_path, clean, what, where):
-    """Refused with one message, or a row of each cell; never a run that dies or hangs."""
+    """Plug-ins that go wrong early are refused.
+
+    They are refused with one message, or have a row of each cell. A run never dies or hangs.
+    """
     lines = {"imported": "", "made": "pass"} | {where: LINES[what]}
     file = tmp_path / "plugin.py"
     file.write_text(PLUGIN.format(**lines))
@@ -167,7 +179,10 @@ def test_a_plugin_that_never_ends_to_load_is_refused(tmp_path, monkeypatch):
 @pytest.mark.slow
 @pytest.mark.parametrize("what", ["dies", "raises"])
 def test_plugins_that_go_wrong_only_in_a_worker(tmp_path, clean, what):
-    """The class was read once without harm; then each of its cells is a row."""
+    """Plug-ins that fail only in a worker give rows.
+
+    The class was read once without harm; then each of its cells is a row.
+    """
     file = tmp_path / "plugin.py"
     seen = tmp_path / "seen"
     guard = f"if os.path.exists({str(seen)!r}): {LINES[what]}\nopen({str(seen)!r}, 'w').close()"
@@ -177,7 +192,10 @@ def test_plugins_that_go_wrong_only_in_a_worker(tmp_path, clean, what):
 
 @pytest.mark.smoke
 def test_state_of_the_caller_is_left_alone(tmp_path):
-    """A run from Python changes nothing of the process that asks for it."""
+    """The caller's state is left alone.
+
+    A run from Python changes nothing of the process that asks for it.
+    """
     from dubins_study import run
 
     before = os.getcwd(), dict(os.environ), np.geterr()  # noqa: PTH109

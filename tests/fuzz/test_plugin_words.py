@@ -1,4 +1,7 @@
-"""What solvers say of themselves is text wherever it is shown: page, tables, terminal, JSON."""
+"""Solvers' words are text wherever they are shown.
+
+The places are page, tables, terminal and JSON.
+"""
 
 import json
 
@@ -32,7 +35,10 @@ class Rude(Slsqp):
 
 @st.composite
 def rows(draw):
-    """Some attempts, a few of them with a path, with any texts where a plug-in may put its own."""
+    """Attempts with any texts from a plug-in.
+
+    A few of them have a path.
+    """
     made = []
     for number in range(draw(st.integers(1, 5))):
         said = {name: draw(words) for name in ("message", "native_status", "word", "run_id")}
@@ -61,7 +67,10 @@ def test_words_of_rows_are_shown_as_text(made, name, tmp_path_factory):
 
 @pytest.mark.slow
 def test_a_rude_plugin_is_quoted(tmp_path):
-    """It is asked for real, once; its words come through escaped, and JSON stays JSON."""
+    """A rude plug-in is quoted.
+
+    It is asked for real, once; its words come through escaped, and JSON stays JSON.
+    """
     text = "".join(word for word in HOSTILE if MARK in word)
     plugin = tmp_path / "rude.py"
     plugin.write_text(_RUDE.format(text=text))
