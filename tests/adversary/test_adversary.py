@@ -1,4 +1,4 @@
-"""The campaign finds nothing in the package, and finds what is put into it."""
+"""The campaign passes the package and finds planted faults."""
 
 import math
 from collections.abc import Callable
@@ -22,7 +22,10 @@ PARTS = 10  # of the slow run, so that they are shared out among the workers
 
 
 def test_no_counterexample_in_few_cases(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Every generator meets every check; a bound of a route that is hardly too high is seen."""
+    """Every generator meets every check without a counterexample.
+
+    A bound of a route that is hardly too high is seen.
+    """
     table = run(SEED, 0, FEW)
     spoilt = Table()
     found = [routes.attack(table, 0, number) for number in range(1, 5)]
@@ -57,7 +60,10 @@ def test_no_counterexample(part: int) -> None:
 @pytest.mark.timeout(1200)
 @pytest.mark.parametrize("part", range(PARTS))
 def test_no_bound_is_above_a_length_that_was_found(part: int) -> None:
-    """Where one is, its route is attacked anew: rounding may put its points elsewhere."""
+    """No bound is above a length of an attack.
+
+    Where one is, its route is attacked anew: rounding may put its points elsewhere.
+    """
     table = Table()
     for number in range(part, ROUTES, PARTS):
         low = routes.proven(routes.drawn(number, 0)[1], number).low
@@ -71,7 +77,10 @@ def test_no_bound_is_above_a_length_that_was_found(part: int) -> None:
 @pytest.mark.timeout(1200)
 @pytest.mark.parametrize("seed", range(12))
 def test_lattice_routes_close(seed: int) -> None:
-    """Points and headings of round numbers, often on turning circles: closed, and not beaten."""
+    """Lattice routes close, and no attack beats them.
+
+    Their points and headings are round numbers, often on turning circles.
+    """
     rng = np.random.default_rng((18, seed))
     steps = rng.integers(-3, 4, (2 + seed % 4, 2))
     steps[~steps.any(axis=1)] = 1, 1
@@ -127,7 +136,10 @@ def _swapped(judged: Any) -> Any:
 @pytest.mark.many(4)
 @pytest.mark.parametrize("check", SPOILT)
 def test_campaign_sees_what_is_spoilt(check: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    """A result altered by little, or by one flag, is a counterexample of its check."""
+    """A spoilt result is a counterexample of its check.
+
+    It is altered by little, or by one flag.
+    """
     room, name, spoil = SPOILT[check]
     right = getattr(room, name)
     monkeypatch.setattr(room, name, lambda *args, **options: spoil(right(*args, **options)))

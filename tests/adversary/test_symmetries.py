@@ -1,4 +1,6 @@
-"""What leaves the shortest length: of legs and routes, the final heading free or given.
+"""Symmetries leave the shortest length.
+
+They are tried on legs and routes, with the final heading free or given.
 
 Compared are the proven intervals, which have to overlap, and the lengths of the paths where both
 intervals are narrow: a length may jump within the rounding of the data.
@@ -25,7 +27,10 @@ ANGLES = st.floats(-3, 3)
 
 @st.composite
 def routes(draw: st.DrawFn) -> Scenario:
-    """One leg to four, of 0.5 R to 6 R."""
+    """Routes of one leg to four.
+
+    A leg is 0.5 R to 6 R long.
+    """
     steps = draw(st.lists(st.tuples(st.floats(0.5, 6), ANGLES), min_size=1, max_size=4))
     _, *via, (x, y) = walked(*np.array(steps).T)
     final = draw(st.none() | ANGLES)
@@ -34,7 +39,10 @@ def routes(draw: st.DrawFn) -> Scenario:
 
 @st.composite
 def images(draw: st.DrawFn) -> tuple[Scenario, Scenario]:
-    """A scenario, and its mirror image or itself, turned, scaled and shifted."""
+    """A scenario and its image.
+
+    The image is mirrored or not, turned, scaled and shifted.
+    """
     scenario = draw(routes())
     turn = draw(ANGLES)
     scale = draw(st.sampled_from([1, 17.0, 1e-3]))
@@ -78,7 +86,11 @@ def test_reversal_in_time_leaves_the_length(scenario, last):
 
 @given(routes())
 def test_a_via_point_on_the_shortest_path_leaves_the_length(scenario):
-    """In the middle of its longest straight: on an arc, rounding may put it inside the circle."""
+    """A via point on the shortest path changes nothing.
+
+    It lies in the middle of the longest straight: on an arc, rounding may put it inside the
+    circle.
+    """
     path = reference_of(scenario, tolerances=QUICK).path
     straights = np.where(path.curvatures == 0, path.lengths, 0)
     longest = int(np.argmax(straights))

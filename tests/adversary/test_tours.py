@@ -1,4 +1,7 @@
-"""The search for tours: beside all orders, grids of headings, symmetries and random tours."""
+"""The search for tours against independent answers.
+
+They come from all orders, grids of headings, symmetries and random tours.
+"""
 
 import math
 from dataclasses import replace
@@ -29,7 +32,10 @@ PARTS = 20
 
 
 def checked_by_all_orders(seed: int, points: int) -> None:
-    """The tour found is no longer than the best order; its lower end is no longer than any."""
+    """Tours whose answer agrees with all orders.
+
+    The tour is no longer than the best order. Its lower end is no longer than any order's.
+    """
     rng = np.random.default_rng((34, seed))
     scenario = drawn(rng, KINDS[seed % len(KINDS)], points, DENSE[seed % 3] * math.sqrt(points))
 
@@ -55,7 +61,10 @@ def test_few_points_are_those_of_the_best_order(seed: int) -> None:
 @pytest.mark.timeout(1800)
 @pytest.mark.parametrize("part", range(PARTS if WHOLE else 6))
 def test_dense_points_are_those_of_the_best_order(part: int) -> None:
-    """Sets of 3 to 6 points: 200 in the whole attack."""
+    """Dense points are visited in the best order.
+
+    Each set has 3 to 6 points; the whole attack has 200 sets.
+    """
     for seed in range(SMALL + part, SMALL + SETS, PARTS):
         checked_by_all_orders(seed, 6 if seed % 30 == 0 else 3 + seed % 3)
 
@@ -133,7 +142,10 @@ def test_a_closed_tour_is_as_long_the_other_way_round(seed: int) -> None:
 @pytest.mark.many(6)
 @pytest.mark.parametrize("seed", range(14))
 def test_no_random_tour_is_shorter_than_the_lower_end(seed: int) -> None:
-    """A thousand of them in all, and those of the best order with headings near the best ones."""
+    """No random tour is below the lower end.
+
+    A thousand are tried in all, and those of the best order with headings near the best ones.
+    """
     rng = np.random.default_rng((34, seed, 6))
     kind = KINDS[seed % len(KINDS)]
     scenario = drawn(rng, kind, 7, (4.0, 8.0)[seed % 2] * math.sqrt(7))
@@ -193,7 +205,10 @@ KAYA = {
 @pytest.mark.slow
 @pytest.mark.timeout(600)
 def test_ten_published_points_beside_a_grid_of_headings() -> None:
-    """Held and Karp's program over orders and headings finds none shorter, and nearly the same."""
+    """A grid of headings beats no published ten points.
+
+    Held and Karp's program over orders and headings finds nearly the same length.
+    """
     (x, y), *via, (target_x, target_y) = GDIP
     scenario = Scenario(x, y, 0.0, target_x, target_y, via=via, order="free")
     found = tour_of(scenario)
@@ -208,7 +223,10 @@ def test_ten_published_points_beside_a_grid_of_headings() -> None:
 @pytest.mark.smoke
 @pytest.mark.parametrize("bound", BEHDANI)
 def test_published_bounds_of_discs_are_below_the_tours_of_their_centres(bound: float) -> None:
-    """A closed tour from the first centre, whatever its heading there."""
+    """Published bounds of discs are below their centres' tours.
+
+    A tour is closed, from the first centre, whatever its heading there.
+    """
     (x, y), *via = BEHDANI[bound]
     for heading in (0.0, 2.0, -2.0):
         found = tour_of(Scenario(x, y, heading, via=via, order="free", closed=True))
@@ -220,7 +238,10 @@ def test_published_bounds_of_discs_are_below_the_tours_of_their_centres(bound: f
 @pytest.mark.timeout(600)
 @pytest.mark.parametrize("example", KAYA)
 def test_published_routes_with_their_order_free(example: int) -> None:
-    """Never longer than in the order that is printed; a grid of headings finds none shorter."""
+    """A free order is never longer than the printed.
+
+    A grid of headings finds no shorter tour.
+    """
     curvature, via, start, end, first, last, printed = KAYA[example]
     scenario = Scenario(*start, first, *end, 1 / curvature, via=via, final_heading=last)
     found = tour_of(replace(scenario, order="free"))

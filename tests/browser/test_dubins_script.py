@@ -1,4 +1,7 @@
-"""The closed form, words, routes and tours in the page (`scripts/dubins*.js`) and the package."""
+"""The page's scripts agree with the package.
+
+`scripts/dubins*.js` have the closed form, words, routes and tours.
+"""
 
 import json
 import math
@@ -29,7 +32,9 @@ FIELDS = NUMBERS[:-1]  # the speed is no part of the question
 
 
 def near_circles(n: int) -> list[Scenario]:
-    """Targets on and next to edges of words, at 1e-1 to 1e-12 R, of any heading, place and radius.
+    """Targets on and next to edges of words.
+
+    They are off by 1e-1 to 1e-12 R, of any heading, place and radius.
 
     Edges are both turning circles, and the circles of three times their radius.
     """
@@ -50,7 +55,10 @@ def near_circles(n: int) -> list[Scenario]:
 
 @cache
 def all_cases() -> list[Scenario]:
-    """10^4 targets: hard ones, on and near circles, the paper's, and far ones."""
+    """10^4 targets of every kind.
+
+    They are hard ones, on and near circles, the paper's, and far ones.
+    """
     rng = np.random.default_rng(2)
     far = [Scenario(*rng.uniform(-9, 9, 3), *rng.uniform(-1e6, 1e6, 2), 1.0) for _ in range(1000)]
     named = [*PAPER.values(), *EDGES.values()]
@@ -59,7 +67,10 @@ def all_cases() -> list[Scenario]:
 
 @pytest.fixture
 def in_page(new_tab):
-    """`in_page(body, rows)`: what the scripts' `body`, a function of one row, returns of each."""
+    """`in_page(body, rows)`: results of the scripts for each row.
+
+    `body` is a function of one row.
+    """
     page = new_tab()
     parts = ("certificate", "pose", "route", "tour")
     names = ("tolerances", "dubins", *(f"dubins-{part}" for part in parts))
@@ -80,7 +91,10 @@ def fields(scenario: Scenario) -> dict[str, float]:
 
 
 def steepness(word: str, segments) -> float:
-    """Change of a length per shift of its target: 1, or 1 / |cos(a2 / 2)| of two arcs."""
+    """Change of a length per shift of its target.
+
+    It is 1, or 1 / |cos(a2 / 2)| for two arcs.
+    """
     return 1.0 if word not in ("LR", "RL") else 1 / max(abs(math.cos(segments[1] / 2)), 1e-6)
 
 
@@ -118,7 +132,10 @@ def test_every_word_of_ten_thousand_targets_is_the_package_s(in_page):
 
 
 def test_the_optimal_words_region_and_margin_are_the_package_s(in_page):
-    """One word, or both straight behind; next to an edge whichever the package's intervals hold.
+    """Optimal words, region and margin are the package's.
+
+    There is one word, or both straight behind. Next to an edge it is whichever the package's
+    intervals hold.
 
     Lengths alone are the same doubles, absent where a word has no path.
     """
@@ -146,9 +163,11 @@ def test_the_optimal_words_region_and_margin_are_the_package_s(in_page):
 
 
 def test_certificates_are_the_package_s(in_page):
-    """Pontryagin's residual, the costates and the cut margin of every word, as `measure` has them.
+    """Certificates are the package's.
 
-    Compared where the words are one path: of equal letters and segments to 1e-9.
+    Compared are Pontryagin's residual, the costates and the cut margin of every word, as `measure`
+    has them. The words are compared where they are one path: of equal letters and segments to
+    1e-9.
     """
     cases = all_cases()[::3]
     compared = 0
@@ -184,7 +203,10 @@ def test_certificates_are_the_package_s(in_page):
 
 @pytest.mark.slow
 def test_a_polyline_stays_on_the_path_which_arrives(in_page):
-    """Every point lies on the path as the package drives it; arcs are divided finely."""
+    """Polylines stay on the path, which arrives.
+
+    Every point lies on the path as the package drives it; arcs are divided finely.
+    """
     # `at` loses digits of larger headings
     cases = [case for case in all_cases()[::10] if abs(case.heading) < 10]
     body = "s => dubins.words(s).map(e => e.exists"
@@ -213,7 +235,10 @@ def test_a_polyline_stays_on_the_path_which_arrives(in_page):
 
 
 def test_bad_input_is_refused_by_name(in_page):
-    """A scenario that cannot be names the field and the value."""
+    """Bad input is refused by name.
+
+    The message names the field and the value.
+    """
     good = {"x": 0, "y": 0, "heading": parse_angle("120deg"), "target_x": 1, "target_y": 2}
     refused = {
         "radius is 0; expected a number above 0": {"radius": 0},
@@ -228,7 +253,10 @@ def test_bad_input_is_refused_by_name(in_page):
 
 
 def pairs_of_poses(n: int) -> list[tuple[Pose, Pose, float]]:
-    """Random ones, near and far, and every fifth on round numbers, where arcs vanish."""
+    """Random pairs of poses, near and far.
+
+    Every fifth is on round numbers, where arcs vanish.
+    """
     rng = np.random.default_rng(5)
     pairs = []
     for row in range(n):
@@ -247,7 +275,10 @@ def pairs_of_poses(n: int) -> list[tuple[Pose, Pose, float]]:
 
 
 def test_six_words_of_poses_are_the_package_s(in_page):
-    """Existence and length of every word to 1e-9, the shortest words, and where each path ends.
+    """Six words of poses are the package's.
+
+    Compared are existence and length of every word to 1e-9, the shortest words, and the ends of
+    the paths.
 
     Sines and cosines differ in their last digit. So next to an edge both may see another side of
     it: those words are counted.
@@ -282,7 +313,10 @@ def test_six_words_of_poses_are_the_package_s(in_page):
 
 
 class Law(NamedTuple):
-    """Routes of 1 to 5 via points with legs of `shortest` to `longest` radii."""
+    """Routes of 1 to 5 via points.
+
+    Their legs have `shortest` to `longest` radii.
+    """
 
     shortest: float
     longest: float
@@ -298,7 +332,10 @@ NEAR = Law(0.5, 4.0, 100, 0.99)
     "law", [FAR, pytest.param(NEAR, marks=pytest.mark.slow)], ids=["far", "near"]
 )
 def test_routes_are_the_shortest_to_a_millionth(in_page, law):
-    """Never shorter than the proven interval's lower end; within 1e-6 of its upper end, mostly.
+    """Routes are the shortest to a millionth.
+
+    They are never shorter than the proven interval's lower end, and mostly within 1e-6 of its
+    upper end.
 
     Every second final heading is given. Measured with other seeds: all of 300 routes with legs of
     0.5 to 20 R, and 299 of 300 with legs of 0.2 to 8 R; the other one is 1.6e-5 longer.
@@ -340,7 +377,10 @@ def test_routes_are_the_shortest_to_a_millionth(in_page, law):
 
 
 class Density(NamedTuple):
-    """Tours of points in a square whose side grows with the root of their number."""
+    """Tours of points in a square.
+
+    Its side grows with the root of their number.
+    """
 
     side: float  # radii, of one point
     points: tuple[int, ...]
@@ -353,7 +393,10 @@ DENSE = Density(3.0, (2, 3, 5, 8), 40, 0.9)
 
 
 def drawn_tour(rng: np.random.Generator, via: int, side: float) -> dict[str, Any]:
-    """A start pose, via points and a target pose, as the page has them."""
+    """A tour as the page has it.
+
+    It has a start pose, via points and a target pose.
+    """
     points = rng.uniform(0, side * math.sqrt(via), (via + 2, 2)).tolist()
     (x, y), *between, (target_x, target_y) = points
     heading, final = rng.uniform(-4, 4, 2).tolist()
@@ -368,7 +411,10 @@ def drawn_tour(rng: np.random.Generator, via: int, side: float) -> dict[str, Any
     ids=["spaced", "dense"],
 )
 def test_tours_are_the_shortest_to_a_millionth(in_page, density):
-    """Never shorter than the proven interval; within 1e-6 of it, mostly, and then in its order.
+    """Tours are the shortest to a millionth.
+
+    They are never shorter than the proven interval. Mostly they are within 1e-6 of it, and then in
+    its order.
 
     Every second final heading is given. Measured with other seeds, of 60 tours each of 3, 5, 8 and
     10 points: all where the side is 8 R, 58 where it is 3 R, and 54 where it is 1.5 R.
@@ -395,7 +441,10 @@ def test_tours_are_the_shortest_to_a_millionth(in_page, density):
 
 
 def test_a_tour_is_the_shortest_of_all_its_orders(in_page):
-    """Every order of four points as a route, by the same scripts: none is shorter."""
+    """A tour is the shortest of all its orders.
+
+    The same scripts answer every order of four points as a route: none is shorter.
+    """
     rng = np.random.default_rng(12)
     cases = [drawn_tour(rng, 4, 6.0) for _ in range(10)]
     for case, tour in zip(cases, in_page("dubins.tour", cases), strict=True):

@@ -15,7 +15,7 @@ STEP = 5e-4  # of the time that the aircraft takes to fly one radius
 
 
 def circles(radius: float) -> Path:
-    """A full turn left, a straight, a right turn.
+    """Two full turns, left and right, around a straight.
 
     Every course is turned through.
     """
