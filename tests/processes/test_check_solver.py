@@ -1,4 +1,4 @@
-"""`new solver` and `check-solver`, as an author of a plug-in uses them."""
+"""`new solver` and `check-solver`, as used by an author."""
 
 import json
 import re
@@ -60,7 +60,10 @@ def test_files_that_no_solver_is_written_into(tmp_path, name, message):
 
 @pytest.mark.slow
 def test_from_a_new_file_to_a_page(tmp_path):
-    """The way that CONTRIBUTING shows: written, asked, run beside another solver, reported."""
+    """A new file becomes a page.
+
+    The way is that of CONTRIBUTING: written, asked, run beside another solver, reported.
+    """
     mine = "my_solver.py:MySolver"
     commands = (
         ("new", "solver", "my_solver.py"),
@@ -84,7 +87,10 @@ def test_from_a_new_file_to_a_page(tmp_path):
     ],
 )
 def test_solvers_that_there_are_not(spec, message):
-    """A bad request, exit code 2, and no finding about anybody's solver."""
+    """Solvers that do not exist are bad requests.
+
+    The exit code is 2, and there is no finding about anybody's solver.
+    """
     called("new", "solver", "my_solver.py")
     ended = called("check-solver", spec)
 
@@ -106,7 +112,10 @@ def test_a_file_that_does_not_load_is_a_finding_with_its_traceback(tmp_path):
 
 @pytest.mark.smoke
 def test_a_syntax_error_is_shown_where_it_is(tmp_path):
-    """File, line and caret, by both commands; what to do names the author's own file."""
+    """A syntax error is shown where it is.
+
+    Both commands show file, line and caret; what to do names the author's own file.
+    """
     (tmp_path / "mine.py").write_text("class Mine:\n    n = 1 +\n")
     checked = called("check-solver", "mine.py:Mine")
     solved = called("solve", "1", "2", "--solver", "mine.py:Mine")
@@ -151,7 +160,7 @@ LOADING = {
 
 @pytest.mark.parametrize("wrong", LOADING)
 def test_what_a_solver_says_of_itself_is_explained(tmp_path, wrong):
-    """A mistake in a declaration has the advice for this mistake."""
+    """A mistake in a declaration has its own advice."""
     difference, status, words = LOADING[wrong]
     values = {"head": FROZEN, "method": METHOD, "setting": ""} | difference
     (tmp_path / "mine.py").write_text(SOLVER.format(**values))
@@ -165,7 +174,10 @@ def test_what_a_solver_says_of_itself_is_explained(tmp_path, wrong):
 
 
 def test_a_setting_of_a_solver_that_cannot_be_made_is_refused(tmp_path):
-    """No traceback of this package: a spec with settings asks the class for its defaults."""
+    """A wrong setting of an impossible solver is refused.
+
+    There is no traceback of this package: a spec with settings asks the class for its defaults.
+    """
     text = SOLVER.format(head=FROZEN, method=METHOD, setting="n: int")
     (tmp_path / "mine.py").write_text(text)
 

@@ -1,4 +1,7 @@
-"""The digest of a solver's code: what changes it, and what does not."""
+"""The digest of a solver's code.
+
+Tested is what changes it, and what does not.
+"""
 
 import ast
 import json
@@ -29,7 +32,10 @@ class Mine(Slsqp):
 
 
 def imported_files(file: Path) -> set[Path]:
-    """Modules of the package that a module imports anywhere, and the packages that they lie in."""
+    """Imported modules of a module and their packages.
+
+    Imports count anywhere in the module.
+    """
     names = set()
     for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
         if isinstance(node, ast.ImportFrom):
@@ -45,7 +51,11 @@ def imported_files(file: Path) -> set[Path]:
 
 @pytest.mark.parametrize("name", registered())
 def test_all_modules_that_a_solver_imports_are_read(name):
-    """Every module that its module, the check or another of these imports, inside functions too."""
+    """All modules that a solver imports are read.
+
+    They are every module that its module, the check or another of these imports, inside functions
+    too.
+    """
     solver_class = type(load_solver(name))
     module = PACKAGE.parent.joinpath(*solver_class.__module__.split(".")).with_suffix(".py")
     judges = ("study/check/verdict.py", "study/judging/certify.py")
@@ -65,7 +75,11 @@ def test_all_modules_that_a_solver_imports_are_read(name):
 
 @pytest.mark.slow
 def test_an_edit_changes_the_digest_of_the_room_and_of_rooms_that_build_on_it(tmp_path):
-    """In a copy of the package: of the solver's room, of the check; not of another room."""
+    """An edit changes the digests that build on it.
+
+    Edited are the solver's room and the check in a copy of the package; another room changes
+    nothing.
+    """
     shutil.copytree(PACKAGE, tmp_path / "dubins_study")
     names = ("slsqp", "ipopt", "shooting", "turn-rate-qp", "analytic")
 
@@ -100,14 +114,20 @@ def test_every_solver_has_a_code_of_its_own():
 
 
 def test_settings_make_a_code_of_their_own():
-    """However they came about: by the spec or by the profile."""
+    """Settings make a code of their own.
+
+    They come from the spec or from the profile.
+    """
     assert code_digest("slsqp[count=3]") != code_digest("slsqp")
     assert code_digest(" slsqp[ model=words ]") == code_digest("slsqp")
     assert code_digest("slsqp", "accurate") != code_digest("slsqp", "default")
 
 
 def printed(*lines: str, path: Path | None = None) -> list[str]:
-    """What a new process prints, in which no digest is remembered."""
+    """Output of a new process.
+
+    It remembers no digest.
+    """
     text = "\n".join((f"from {DIGEST} import code_digest", *lines))
     return output(interpreted(text, **({"PYTHONPATH": str(path)} if path else {}))).split()
 
@@ -145,7 +165,10 @@ class Mine(Slsqp):
     ],
 )
 def test_a_plugin_is_told_by_its_syntax(text, same, tmp_path):
-    """A comment, a docstring and another layout leave the digest; a constant changes it."""
+    """A plug-in is told by its syntax.
+
+    A comment, a docstring and another layout leave the digest; a constant changes it.
+    """
     plugin = tmp_path / "mine.py"
     found = []
     for content in (PLUGIN.format(patience=1).replace("float", '"float"'), text):
@@ -171,7 +194,10 @@ def test_a_plugin_is_told_by_its_syntax(text, same, tmp_path):
     ],
 )
 def test_what_differs_has_another_syntax(one, other, tmp_path):
-    """Also a file that is none of Python, by its bytes."""
+    """Different code has different syntax.
+
+    A file that is no Python is compared by its bytes.
+    """
     files = tmp_path / "one.py", tmp_path / "other.py"
     for file, text in zip(files, (one, other), strict=True):
         file.write_text(text)
@@ -205,7 +231,10 @@ def test_other_libraries_make_another_code(monkeypatch):
 
 @pytest.mark.slow
 def test_rows_of_earlier_code_are_solved_anew_and_never_shown(tmp_path):
-    """They are kept, counted, and left out of everything else."""
+    """Rows of earlier code are solved anew, never shown.
+
+    They are kept, counted, and left out of everything else.
+    """
     spec = f"{tmp_path}/mine.py:Mine"
     out = tmp_path / "out"
     file = quick_experiment(tmp_path, 2, f'{spec}", "analytic')

@@ -1,4 +1,7 @@
-"""A run by Dask finds what a serial run finds, whatever happens to its workers."""
+"""Dask's rows are those of a serial run.
+
+That holds whatever happens to its workers.
+"""
 
 import json
 import pickle
@@ -57,7 +60,10 @@ def address(tmp_path_factory):
 
 
 def plugin(folder: Path, solve: str) -> str:
-    """A solver whose answers are slsqp's, unless something happens before."""
+    """A solver with slsqp's answers.
+
+    Something may happen before.
+    """
     file = folder / "plugin.py"
     file.write_text(
         "import ctypes, os, signal, sys, time\nfrom pathlib import Path\nimport psutil\n"
@@ -79,7 +85,11 @@ def plugin(folder: Path, solve: str) -> str:
 
 @pytest.mark.slow
 def test_the_rows_are_those_of_a_serial_run(experiment, tmp_path, address):
-    """Every column that is not about time or run, warm sweeps among them; the manifest says who."""
+    """The rows are those of a serial run.
+
+    Compared is every column that is not about time or run, warm sweeps among them. The manifest
+    says who made them.
+    """
     one = run(experiment, tmp_path / "one")
     other = here.asked_of(address, experiment, tmp_path / "other")
 
@@ -116,7 +126,10 @@ ONCE = (
 
 @pytest.mark.slow
 def test_a_worker_killed_in_the_middle_of_a_work_unit_costs_no_row(experiment, tmp_path, address):
-    """What it had not delivered is solved again by others; none is there twice."""
+    """Killing a worker in a unit costs no row.
+
+    What it had not delivered is solved again by others; none is there twice.
+    """
     solver = plugin(tmp_path, ONCE)
     arguments = {"solvers": [solver, "analytic"], "time_limit": 90.0}
     one = run(experiment, tmp_path / "one", **arguments)
@@ -141,7 +154,11 @@ ORPHANS = (
 
 @pytest.mark.slow
 def test_what_a_dead_worker_was_solving_dies_with_it(experiment, tmp_path, address):
-    """Its fork server and the solver's process, though that is in a loop that nobody watches."""
+    """A dead worker's solves die with it.
+
+    They are its fork server and the solver's process, though that is in a loop that nobody
+    watches.
+    """
     solver = plugin(tmp_path, ORPHANS)
     (tmp_path / "executor").write_text("dask")
     (tmp_path / "armed").touch()
@@ -162,7 +179,10 @@ def test_what_a_dead_worker_was_solving_dies_with_it(experiment, tmp_path, addre
 
 @pytest.mark.slow
 def test_a_work_unit_that_kills_every_worker_ends_the_run(experiment, tmp_path, address):
-    """After as many workers as Dask's `allowed-failures` permits; the rows so far are kept."""
+    """A unit that kills every worker ends the run.
+
+    It ends after as many workers as Dask's `allowed-failures` permits; the rows so far are kept.
+    """
     solver = plugin(tmp_path, "question.branch == 'LS' and os.kill(dask_worker(), signal.SIGKILL)")
     (tmp_path / "executor").write_text("dask")
     out = tmp_path / "out"
@@ -177,7 +197,10 @@ def test_a_work_unit_that_kills_every_worker_ends_the_run(experiment, tmp_path, 
 
 @pytest.mark.slow
 def test_another_executor_goes_on_where_one_left_off(experiment, tmp_path, address):
-    """A sweep cut in the middle goes on from its last path, elsewhere."""
+    """Another executor goes on where one stopped.
+
+    A sweep cut in the middle goes on from its last path.
+    """
     one = run(experiment, tmp_path / "one", solvers=["slsqp[presolve=true]"])
 
     def enough(done, total):
@@ -196,7 +219,10 @@ def test_another_executor_goes_on_where_one_left_off(experiment, tmp_path, addre
 
 
 def test_a_worker_keeps_its_processes_until_the_run_ends(experiment, tmp_path):
-    """Units of a run are solved in the same process; then it is gone."""
+    """A worker keeps its processes until the end.
+
+    Units of a run are solved in the same process; then it is gone.
+    """
     spec = plugin(tmp_path, "(HERE / 'pids').open('a').write(f'{os.getpid()}\\n')")
     text = re.sub("(?m)^solvers = .*", f'solvers = ["{spec}"]', Path(experiment).read_text())
     Path(experiment).write_text(text)
@@ -213,7 +239,10 @@ def test_a_worker_keeps_its_processes_until_the_run_ends(experiment, tmp_path):
 
 
 def test_a_worker_whose_files_were_changed_is_to_be_restarted(monkeypatch):
-    """What it has imported is not what is on disk, whose digest it would tell."""
+    """A worker with changed files has to be restarted.
+
+    What it has imported is not what is on disk, whose digest it would tell.
+    """
     monkeypatch.setattr(dask_worker, "_IMPORTED", frozenset())
     reply = dask_worker.solve_unit(pickle.dumps(WorkUnit(RunSettings("r", 1.0), [])))
 

@@ -1,4 +1,4 @@
-"""What a run learns of solvers without letting other people's code in."""
+"""Descriptions of solvers that load no foreign code."""
 
 import os
 import sys
@@ -76,7 +76,10 @@ def test_a_plugin_that_breaks_where_it_is_loaded_is_a_message(tmp_path, text, me
     ],
 )
 def test_an_experiment_does_not_choose_what_is_run(tmp_path, spec, where):
-    """Unless it is trusted; what the caller names himself always is."""
+    """An experiment does not choose the code.
+
+    It does if it is trusted. What the caller names himself always runs.
+    """
     (tmp_path / "plain.py").write_text(PLUGIN)
     named = f'solvers = ["{spec.format(here=tmp_path)}"]\n'
     file = tmp_path / "theirs.toml"

@@ -1,4 +1,7 @@
-"""Ctrl-C: what is being solved is finished, what is done is kept, and the run says so."""
+"""Ctrl-C finishes a solve and keeps the rows.
+
+The run says so.
+"""
 
 import json
 import os
@@ -43,7 +46,10 @@ def test_leaving_raises_what_was_asked_for_and_the_handler_is_back():
 
 
 def test_one_within_another_knows_what_was_asked_before():
-    """The command line enters one while it still loads, `run` its own."""
+    """A nested interruption knows earlier requests.
+
+    The command line enters one while it still loads, `run` its own.
+    """
     seen = []
 
     def nested():
@@ -59,7 +65,10 @@ def test_one_within_another_knows_what_was_asked_before():
 
 @pytest.mark.slow
 def test_other_threads_are_left_alone(experiment, tmp_path):
-    """Python handles no signals there; a run must not try."""
+    """Other threads are left alone.
+
+    Python handles no signals there; a run must not try.
+    """
     before = signal.getsignal(signal.SIGINT)
     folders = []
     thread = threading.Thread(target=lambda: folders.append(run(experiment, tmp_path / "out")))
@@ -87,7 +96,10 @@ def test_a_run_interrupted_after_its_last_cell_is_finished_by_the_next(experimen
 
 
 def interrupted(*arguments: str, after: Path):
-    """Run the command, and send its whole group SIGINT once there are such files."""
+    """Run the command and interrupt its group.
+
+    SIGINT is sent once there are such files.
+    """
     with started("run", *arguments) as process:
         wait_for(lambda: [*after.parent.glob(after.name)] or process.poll() is not None)
         os.killpg(process.pid, signal.SIGINT)

@@ -1,4 +1,7 @@
-"""One run at a time in a folder, whatever becomes of the run that holds it."""
+"""One run at a time in a folder.
+
+That holds whatever becomes of the run that holds it.
+"""
 
 import json
 import os
@@ -18,7 +21,10 @@ pytestmark = pytest.mark.smoke
 
 
 def contents(folder):
-    """Every file of a folder and its bytes; how long the live run has taken is its own to tell."""
+    """Every file of a folder and its bytes.
+
+    The duration of the live run is left out: it changes.
+    """
     held = {file: file.read_bytes() for file in sorted(folder.rglob("*")) if file.is_file()}
     manifest = json.loads(held.pop(folder / "manifest.json"))
     for entry in manifest["runs"]:
@@ -49,7 +55,10 @@ def test_a_second_run_is_told_who_is_at_work_and_touches_nothing(tmp_path):
 
 @pytest.mark.slow
 def test_a_killed_run_holds_nothing_even_while_its_workers_live(tmp_path):
-    """kill -9 of the run alone: workers that nap on do not keep the next run out."""
+    """A killed run holds nothing.
+
+    Only the run is killed, by kill -9: workers that nap on do not keep the next run out.
+    """
     experiment = slow_experiment(tmp_path, nap=0.2, count=24)
     out = tmp_path / "out"
     with started("run", experiment, "--trust-plugins", "--out", out, "--jobs", "2") as first:
@@ -98,7 +107,10 @@ def test_status_and_report_work_while_a_run_does(tmp_path):
 
 
 def test_status_writes_nothing(original, tmp_path):
-    """So that a folder that may only be read can be looked at."""
+    """`status` writes nothing.
+
+    A folder that may only be read can be looked at.
+    """
     out = Path(shutil.copytree(original, tmp_path / "out"))
     (out / LOCK).unlink()
     before = {file: file.stat().st_mtime_ns for file in [out, *out.rglob("*")]}

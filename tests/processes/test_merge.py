@@ -1,4 +1,7 @@
-"""Folders of one experiment united: nothing lost, nothing twice, no contradiction swallowed."""
+"""Folders of one experiment united.
+
+Nothing is lost, nothing is twice, and no contradiction is swallowed.
+"""
 
 import json
 import os
@@ -27,7 +30,10 @@ TOLERANCE = 1e-4
 
 @pytest.fixture
 def halves(original, tmp_path):
-    """The same folder twice, each with five of its eight rows: two of them are in both."""
+    """The same folder twice, with fewer rows.
+
+    Each has five of its eight rows: two of them are in both.
+    """
     return shard(original, tmp_path / "one", 0, 5), shard(original, tmp_path / "two", 3, 5)
 
 
@@ -41,7 +47,10 @@ def shard(original, folder, first, count):
 
 
 def change(folder, row, **values):
-    """Change one row of a folder, as another attempt at the same cell would have it."""
+    """Change one row of a folder.
+
+    Another attempt at the same cell would have such a row.
+    """
     (part,) = parts(folder)
     table = read_part(part).to_pylist()
     table[row] |= {"run_id": "another", "started": "2030-01-01T00:00:00.000+00:00"} | values
@@ -84,7 +93,10 @@ def test_a_union_that_is_not_whole_can_be_completed(experiment, original, tmp_pa
 
 
 def test_of_attempts_that_agree_the_earlier_is_kept(halves, tmp_path):
-    """However the folders are given; wall times may differ, and the gap a little."""
+    """Of attempts that agree the earlier is kept.
+
+    The order of the folders does not matter. Wall times may differ, and the gap a little.
+    """
     gap = read_rows(halves[1])["gap"][0].as_py()
     change(halves[1], 0, wall_s=9.0, gap=gap + TOLERANCE / 2)
     for order in (halves, halves[::-1]):
@@ -106,7 +118,10 @@ def test_of_attempts_that_agree_the_earlier_is_kept(halves, tmp_path):
     ],
 )
 def test_a_contradiction_is_refused(halves, tmp_path, column, value):
-    """The cell, the column and both values are named, and nothing is written."""
+    """A contradiction is refused.
+
+    The cell, the column and both values are named, and nothing is written.
+    """
     before = read_rows(halves[1])[column][0].as_py()
     row = change(halves[1], 0, **{column: value})
     with pytest.raises(ResultsError) as error:
@@ -138,7 +153,10 @@ def test_contradictions_are_counted_and_the_first_five_listed(original, tmp_path
 
 
 def test_other_code_is_another_cell(halves, tmp_path):
-    """Both rows are kept; the first folder's code counts, the other's rows are stale."""
+    """Other code is another cell.
+
+    Both rows are kept; the first folder's code counts, the other's rows are stale.
+    """
     change(halves[1], 0, verdict="misses", code_digest="ffffffffffff")
     made = merge(halves, tmp_path / "all")
 
@@ -199,7 +217,10 @@ def test_a_folder_in_use_is_left_alone(tmp_path):
 
 
 def test_a_merge_that_is_killed_leaves_nothing_at_its_place(halves, tmp_path, monkeypatch):
-    """What lies beside it is hidden, and in nobody's way."""
+    """A killed merge leaves nothing at its place.
+
+    What lies beside it is hidden, and in nobody's way.
+    """
     out = tmp_path / "all"
     program = os.fork()
     if program == 0:
@@ -243,7 +264,10 @@ def table_of(attempts, folder):
 
 @given(ATTEMPTS, ATTEMPTS, ATTEMPTS)
 def test_any_folders(one, two, three):
-    """Against a dictionary: the earliest of each cell, or a refusal if two differ from it."""
+    """Any folders merge as a dictionary does.
+
+    It has the earliest of each cell, or a refusal if two differ from it.
+    """
     tables = [table_of(own, i) for i, own in enumerate((one, two, three))]
     best = {}
     clash = False

@@ -1,4 +1,4 @@
-"""What is known afterwards of where a row came from."""
+"""Records of where a row came from."""
 
 import json
 import os
@@ -29,7 +29,10 @@ pytestmark = pytest.mark.smoke
 
 
 def test_a_clock_that_is_set_back_changes_no_duration():
-    """Only `provenance.now` reads the wall clock, which names moments; durations are monotonic."""
+    """A clock set back changes no duration.
+
+    Only `provenance.now` reads the wall clock, which names moments; durations are monotonic.
+    """
     wall_clock = re.compile(r"datetime\.\w*now|time\.time\b|from time import .*\btime\b")
     package = Path(provenance.__file__).parents[1]
     readers = [file for file in package.rglob("*.py") if wall_clock.search(file.read_text("utf-8"))]
@@ -38,7 +41,10 @@ def test_a_clock_that_is_set_back_changes_no_duration():
 
 
 def test_the_governor_of_all_cores(tmp_path):
-    """Where it is not known, that is what is said; where cores differ, both are."""
+    """The governor of all cores.
+
+    Where it is not known, the text says that; where cores differ, both are named.
+    """
     assert governor(tmp_path) == "unknown"
     for number, name in enumerate(("performance", "performance", "powersave")):
         place = tmp_path / f"cpu{number}" / "cpufreq"
@@ -89,7 +95,10 @@ def test_a_plugin_that_cannot_tell_its_versions_costs_no_row():
 
 
 def test_a_run_leaves_an_entry(tmp_path):
-    """Command, machine, threads, load, state of the source, start and end."""
+    """A run leaves an entry.
+
+    It has command, machine, threads, load, state of the source, start and end.
+    """
     folder = run(str(quick_experiment(tmp_path, 3)), tmp_path / "out", time_limit=7.0)
     held = manifest(folder)
     (entry,) = held["runs"]
@@ -123,7 +132,10 @@ def test_few_probes_say_nothing():
 
 
 def test_machines_are_not_compared_with_each_other():
-    """Two that are steady, one twice as fast; a third that is not steady decides."""
+    """Machines are not compared with each other.
+
+    Two are steady, one twice as fast; a third that is not steady decides.
+    """
     steady = [Probe(i, 1e-3 * machine, machine) for i in range(20) for machine in (1, 2)]
     loud = [Probe(i, 1e-3 * (1 + i % 2), 3) for i in range(20)]
 
@@ -135,7 +147,10 @@ def test_machines_are_not_compared_with_each_other():
 
 
 def test_an_executor_is_read_under_its_old_name():
-    """As manifests of the first benchmark have it; it is written under its own."""
+    """An executor is read under its old name.
+
+    Manifests of the first benchmark have it; it is written under its own.
+    """
     entry = RunEntry.model_validate({"engine": "dask"})
 
     assert entry.executor == "dask"

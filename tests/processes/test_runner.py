@@ -1,4 +1,7 @@
-"""Runs: every cell a row, nothing twice, and what is done stays done."""
+"""Runs: a row for every cell, and resuming.
+
+Nothing is there twice, and what is done stays done.
+"""
 
 import json
 import math
@@ -98,7 +101,11 @@ def test_a_finished_run_is_one_part_and_a_second_run_changes_nothing(small, fold
 
 
 def test_rows_without_a_solve_are_interrupted_too(small):
-    """Of a solver that is not tried again: thousands of rows hold up neither Ctrl-C nor news."""
+    """Rows without a solve are interrupted too.
+
+    They are of a solver that is not tried again: thousands of rows hold up neither Ctrl-C nor
+    news.
+    """
     cells = chains(read(small).experiment) * 400
     reply = no_answer(Outcome.CRASHED, "no more")
     unit = WorkUnit(RunSettings("r", 60.0), cells)
@@ -118,7 +125,10 @@ def test_rows_without_a_solve_are_interrupted_too(small):
 
 
 def test_a_run_cut_short_is_completed(small, original, tmp_path, monkeypatch):
-    """Whatever is done stays; the rest is added; a warm sweep is solved again."""
+    """A run cut short is completed.
+
+    Whatever is done stays; the rest is added; a warm sweep is solved again.
+    """
     whole = rows(original)
     solved = local.solve_chains
 
@@ -195,7 +205,10 @@ def test_requests_that_are_refused_leave_no_folder(small, tmp_path, change, mess
 
 
 def test_the_old_word_for_the_executor_is_taken_with_a_hint(small, tmp_path):
-    """At the caller's line, whether the request is then refused or not."""
+    """The old word for the executor gives a hint.
+
+    The hint is at the caller's line, whether the request is then refused or not.
+    """
     with pytest.warns(FutureWarning, match=r"run\(executor='dask'\)") as found:
         run(small, tmp_path / "out", solvers=["analytic"], engine="local")
     assert found[0].filename == __file__
@@ -287,7 +300,10 @@ class Warmed(Slsqp):
 
 @pytest.mark.slow
 def test_a_resumed_sweep_starts_where_an_unbroken_one_would(tmp_path):
-    """After a failure, and across holes: from the last path that was found before."""
+    """A resumed sweep starts like an unbroken one.
+
+    It starts from the last path that was found before, after a failure and across holes.
+    """
     plugin = tmp_path / "late.py"
     file = tmp_path / "sweep.toml"
     plugin.write_text(LATE.replace("FAILS", "True"))
@@ -317,7 +333,9 @@ def test_a_resumed_sweep_starts_where_an_unbroken_one_would(tmp_path):
 
 @pytest.mark.slow
 def test_engines_whose_libraries_clash_share_no_worker(tmp_path):
-    """SLEQP loads another HiGHS than highspy's: in one process HiGHS then answers nothing.
+    """Engines with clashing libraries share no worker.
+
+    SLEQP loads another HiGHS than highspy's: in one process HiGHS then answers nothing.
 
     SLEQP takes a minute where a word has no path.
     """

@@ -1,4 +1,7 @@
-"""What `status` says of a folder: counted by hand, and estimated from what the folder holds."""
+"""The text of `status` about a folder.
+
+It is counted by hand, and estimated from what the folder holds.
+"""
 
 import json
 import re
@@ -33,7 +36,10 @@ def folder(original, tmp_path):
 
 
 def rewrite(folder, edit):
-    """Put other rows into a folder: those that `edit` makes of its own."""
+    """Put edited rows into a folder.
+
+    `edit` makes them of its own.
+    """
     (part,) = parts(folder)
     rows = edit(read_part(part).to_pylist())
     part.unlink()
@@ -46,7 +52,10 @@ def amend(folder, **changes):
 
 
 def test_done_left_and_failing_are_counted(folder):
-    """Of 30 cells: 2 of slsqp and all of shooting left, 3 timed out, 1 of earlier code."""
+    """Done, left and failing cells are counted.
+
+    Of 30 cells: 2 of slsqp and all of shooting left, 3 timed out, 1 of earlier code.
+    """
 
     def edit(rows):
         rows = [row for row in rows if row["solver"] != "shooting"]
@@ -68,7 +77,10 @@ def test_done_left_and_failing_are_counted(folder):
 
 
 def test_a_folder_that_has_lost_rows_is_not_finished(folder):
-    """A part of a run that had finished is cut short: the cells of its rows are left."""
+    """A folder that lost rows is not finished.
+
+    A part of a run that had finished is cut short: the cells of its rows are left.
+    """
     assert status(folder).finished
     (part,) = parts(folder)
     part.write_bytes(part.read_bytes()[:100])
@@ -101,7 +113,10 @@ def test_the_time_left_is_that_of_the_cells_so_far(folder):
 
 
 def test_how_long_a_killed_run_took_is_not_known(folder):
-    """Its entry holds the time at which it last wrote the manifest."""
+    """A killed run's duration is not known.
+
+    Its entry holds the time at which it last wrote the manifest.
+    """
     amend(folder, runs=[{"run_id": "r", "state": "running", "seconds": 0.001}])
     (entry,) = status(folder).runs
 
@@ -154,7 +169,10 @@ def test_a_noisy_run_says_so(folder):
 
 @pytest.mark.slow
 def test_subsets_and_repeats_keep_count(tmp_path):
-    """A run of one solver alone does not make the folder finished, nor forget the others."""
+    """Subsets and repeats keep count.
+
+    A run of one solver alone does not make the folder finished, nor forget the others.
+    """
     experiment = str(quick_experiment(tmp_path, 4, 'analytic", "slsqp'))
     folder = run(experiment, tmp_path / "out")
     rewrite(folder, lambda rows: [row for row in rows if row["solver"] == "analytic"])

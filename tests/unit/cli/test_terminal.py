@@ -1,4 +1,7 @@
-"""What a terminal gets: progress in one line, tables as wide as it is; without one plain lines."""
+"""Output on a terminal, and plain lines elsewhere.
+
+A terminal gets progress in one line, and tables as wide as it is.
+"""
 
 import io
 import re
@@ -99,7 +102,10 @@ ROWS = [
 
 @pytest.mark.parametrize("width", [60, 80, 120, 200])
 def test_a_table_fits(width, monkeypatch):
-    """No line is longer than the terminal, no number is broken, and no character of a text lost."""
+    """A table fits.
+
+    No line is longer than the terminal, no number is broken, and no character of a text lost.
+    """
     monkeypatch.setenv("COLUMNS", str(width))
     shown = table(HEAD, ROWS)
 
