@@ -1,4 +1,7 @@
-"""The scenarios of a block: those of the scalar formulas, of numpy and of scipy; their ids."""
+"""Scenarios of a block, and their ids.
+
+They are those of the scalar formulas, of numpy and of scipy.
+"""
 
 import itertools
 import math
@@ -39,7 +42,7 @@ def block(name):
 
 
 def columns(name):
-    """The numbers of a block's scenarios, a column for each field."""
+    """Columns of a block's scenarios, one a field."""
     made = list(scenarios(block(name), "b"))
     return {field: np.array([getattr(s, field) for s in made]) for field in NUMBERS}
 
@@ -63,7 +66,11 @@ def test_a_name_is_the_hash_of_doubles_and_label():
 
 
 def test_targets_are_those_of_the_scalar_formulas():
-    """Distance and bearing, arc and margin: with `math`, number by number, to the last bit."""
+    """Targets are those of the scalar formulas.
+
+    They are given by distance and bearing, arc and margin, and computed with `math`, number by
+    number, to the last bit.
+    """
     polar = block("polar")
     made = columns("polar")
     product = itertools.product(polar.radius, np.geomspace(0.1, 30, 9), polar.bearing)
@@ -100,7 +107,11 @@ def test_sobol_points_are_scipys():
 
 
 def test_a_route_has_an_id_of_its_own():
-    """Nothing is added to the hash of one leg with a free final heading; by hand, of a route."""
+    """A route has an id of its own.
+
+    Nothing is added to the hash of one leg with a free final heading; that of a route is computed
+    by hand.
+    """
     import hashlib
 
     plain = Scenario(1, 2, 0.1, 3, 4, 2, label="a")
@@ -134,7 +145,10 @@ ROUTES = {"legs": [1, 4, 2], "spacing": "2R-4R", "count": 50, "seed": 3}
 
 
 def test_sampled_routes():
-    """Legs are as long as their law says, uniformly; turned any way; of the radius and start."""
+    """Sampled routes follow their law.
+
+    Legs are as long as their law says, uniformly; turned any way; of the radius and start.
+    """
     routes = ROUTES | {"count": 500}
     found = Block.model_validate({"route": routes, "x": 5, "radius": [1, 3], "heading": "1deg"})
     made = list(scenarios(found, "b"))
@@ -152,7 +166,10 @@ def test_sampled_routes():
 
 
 def test_sampled_routes_are_the_same_for_every_count_and_final_heading():
-    """The first ones of a longer list; of one leg too, which has no via points."""
+    """More samples and final headings change no route.
+
+    The first ones of a longer list are the same; of one leg too, which has no via points.
+    """
     few = list(scenarios(Block.model_validate({"route": ROUTES | {"count": 5}}), "b"))
     sampled = Block.model_validate({"route": ROUTES | {"final_heading": "sampled"}})
     many = list(scenarios(sampled, "b"))
@@ -168,7 +185,10 @@ def test_sampled_routes_are_the_same_for_every_count_and_final_heading():
 
 
 def test_numbers_of_legs_are_whole():
-    """Evenly spaced numbers are none; they were taken, and ended the run with a traceback."""
+    """Numbers of legs are whole.
+
+    Evenly spaced numbers are none; they were taken, and ended the run with a traceback.
+    """
     with pytest.raises(ValueError, match=r"route\.legs\.0\n  Input should be a valid integer"):
         Block.model_validate({"route": ROUTES | {"legs": {"linear": [1, 4, 4]}}})
 
@@ -202,7 +222,10 @@ def tours(**keys):
 
 
 def test_sampled_tours():
-    """Start and points fill a square of their own, as wide as the density says, uniformly."""
+    """Sampled tours fill their squares.
+
+    Start and points fill a square of their own, as wide as the density says, uniformly.
+    """
     found = Block.model_validate({"tour": TOURS | {"count": 400}, "x": 5, "radius": [1, 3]})
     made = list(scenarios(found, "b"))
 
@@ -225,7 +248,10 @@ def test_sampled_tours():
 
 
 def test_tours_with_other_ends_have_the_same_points():
-    """A tour that is closed or ends at any point passes what is the target of the others."""
+    """Tours with other ends have the same points.
+
+    A tour that is closed or ends at any point passes what is the target of the others.
+    """
     to_target, anywhere, closed, free = (
         tours(),
         tours(end="any"),
@@ -245,7 +271,11 @@ def test_tours_with_other_ends_have_the_same_points():
 
 
 def test_denser_tours_are_smaller_ones_of_a_longer_list():
-    """The same unit square at every density; the first tours of a longer list, whatever its size"""
+    """Denser tours are smaller ones of the list.
+
+    The unit square is the same at every density. The first tours are those of a longer list,
+    whatever its size.
+    """
     few, many = tours(count=2), tours()
     sparse, dense = many[40], many[0]
 
@@ -256,7 +286,10 @@ def test_denser_tours_are_smaller_ones_of_a_longer_list():
 
 
 def test_orders_ends_and_headings_of_a_block():
-    """What is free or left out is so in the scenario; a heading at a point is its third value."""
+    """A block sets orders, ends and headings.
+
+    What is free or left out is so in the scenario; a heading at a point is its third value.
+    """
     via = [[1, 2], [3, 4, "90deg"], [5, 6, "free"]]
     found = Block.model_validate({"via": via, "order": "free", "heading": ["free", 0.5]})
     points = ((1, 2), (3, 4, math.pi / 2), (5, 6))
@@ -273,7 +306,10 @@ def test_orders_ends_and_headings_of_a_block():
 
 
 def test_what_older_scenarios_do_not_have_leaves_their_ids():
-    """By hand: order, end and headings follow after another byte that is in no UTF-8."""
+    """New fields leave the ids of older scenarios.
+
+    By hand: order, end and headings follow after another byte that is in no UTF-8.
+    """
     import hashlib
 
     nan = math.nan
@@ -288,7 +324,10 @@ def test_what_older_scenarios_do_not_have_leaves_their_ids():
 
 
 def test_frozen_problems_are_asked_as_their_routes():
-    """A pattern stands for all problems that it matches, each a route with the name as label."""
+    """Frozen problems are asked as their routes.
+
+    A pattern stands for all problems that it matches, each a route with the name as label.
+    """
     block = Block(frozen=["tube-5000-*", "time-50-survey-6"])
 
     asked = list(scenarios(block, "scenarios.0"))
@@ -302,14 +341,17 @@ LAWS = ("clusters", "survey rows", "roads", "gps")
 
 
 def field(law, **changes):
-    """The scenarios of a block of routes in a field."""
+    """Scenarios of a block of routes in a field."""
     route = {"legs": 40, "spacing": "2R-4R", "count": 3, "seed": 5, "field": law} | changes
     return list(scenarios(Block.model_validate({"route": route}), "b"))
 
 
 @pytest.mark.parametrize("law", LAWS)
 def test_points_of_a_field(law):
-    """The seed draws them; no two fields of a seed, no two laws and no two points are alike."""
+    """The seed draws the points of a field.
+
+    No two fields of a seed, no two laws and no two points are alike.
+    """
     made = field(law)
 
     assert made == field(law)
@@ -322,7 +364,10 @@ def test_points_of_a_field(law):
 
 @pytest.mark.parametrize("law", LAWS)
 def test_the_spacing_is_the_unit_of_a_field(law):
-    """Of another spacing the same seed draws the same field, larger; so does a denser tour."""
+    """The spacing is the unit of a field.
+
+    With another spacing the same seed draws the same field, larger; so does a denser tour.
+    """
     near, far = (field(law, spacing=spacing)[0].points for spacing in ("2R-4R", "4R-20R"))
     tour = {"points": 40, "density": ["3R"], "count": 1, "seed": 5, "field": law}
     [drawn] = scenarios(Block.model_validate({"tour": tour}), "b")
@@ -332,7 +377,10 @@ def test_the_spacing_is_the_unit_of_a_field(law):
 
 
 def test_fields_are_what_they_are_called():
-    """Legs in units of 3 R: of rows whole ones and turns, of a track about one, of blobs short."""
+    """Fields are what they are called.
+
+    Legs are in units of 3 R: of rows whole ones and turns, of a track about one, of blobs short.
+    """
     legs = {
         law: np.concatenate([np.hypot(*np.diff(s.points, axis=0).T) / 3 for s in field(law)])
         for law in LAWS

@@ -1,4 +1,4 @@
-"""A suite as files for any program, and the judged answers of any program to it."""
+"""A suite as files, and other programs' judged answers."""
 
 import csv
 import json
@@ -69,7 +69,10 @@ def instances(folder):
 
 
 def write_answers(file, rows):
-    """A file of answers as another program might write it, with only the columns that it has."""
+    """Write a file of answers as another program might.
+
+    It has only the columns that the rows have.
+    """
     with file.open("w", newline="") as text:
         writer = csv.DictWriter(text, list(dict.fromkeys(name for row in rows for name in row)))
         writer.writeheader()
@@ -83,7 +86,10 @@ def known(row, **more):
 
 
 def test_ids_follow_from_the_question_and_not_from_its_place(tmp_path):
-    """Other blocks before and after leave the ids as they are; each branch has one of its own."""
+    """Ids follow from the question, not its place.
+
+    Other blocks before and after leave the ids as they are; each branch has one of its own.
+    """
     alone = questions(read(suite(tmp_path, LEGS)).experiment)
     among = questions(read(suite(tmp_path, ROUTES, LEGS, TOUR)).experiment)
 
@@ -93,7 +99,10 @@ def test_ids_follow_from_the_question_and_not_from_its_place(tmp_path):
 
 
 def test_the_best_paths_of_a_suite_are_judged_optimal(tmp_path):
-    """Written to a table and read back, as text: legs, routes, a free start, a tour."""
+    """The best paths of a suite are judged optimal.
+
+    They are written to a table and read back, as text: legs, routes, a free start, a tour.
+    """
     file = suite(tmp_path, LEGS, ROUTES, FREE_START, TOUR)
     export_suite(file, "disjunctive", tmp_path / "set")
     rows = instances(tmp_path / "set")
@@ -115,7 +124,10 @@ def test_the_best_paths_of_a_suite_are_judged_optimal(tmp_path):
 
 
 def test_the_table_of_legs_has_the_closed_form(tmp_path):
-    """The length of each word that exists, by formulas that know nothing of the table."""
+    """The table of legs has the closed form.
+
+    The length of each word that exists is checked by formulas that know nothing of the table.
+    """
     file = suite(tmp_path, LEGS)
     export_suite(file, "disjunctive", tmp_path / "set")
     asked = questions(read(file).experiment)
@@ -128,7 +140,10 @@ def test_the_table_of_legs_has_the_closed_form(tmp_path):
 
 
 def test_nl_files_of_routes_are_solved_to_lengths_in_the_interval(tmp_path):
-    """casadi's reader of NL files and Ipopt, from the file's own first point."""
+    """NL files of routes lead into the interval.
+
+    casadi's reader of NL files and Ipopt solve them, from the file's own first point.
+    """
     export_suite(suite(tmp_path, ROUTES), "route-nlp", tmp_path / "set")
     for row in instances(tmp_path / "set"):
         file = casadi.NlpBuilder()
@@ -159,7 +174,11 @@ def test_scip_proves_the_disjunctions_file_within_the_interval(tmp_path):
 
 @pytest.mark.parametrize("spec", ["tour-milp[headings=4]", "heading-milp[headings=8]"])
 def test_mps_files_have_the_optimum_of_their_grid(spec, tmp_path):
-    """SCIP's reader and search; HiGHS, by the solver, has the same; no grid beats the interval."""
+    """MPS files have the optimum of their grid.
+
+    SCIP's reader and search find it; HiGHS, by the solver, has the same; no grid beats the
+    interval.
+    """
     file = suite(tmp_path, TOUR if "tour" in spec else ROUTES)
     export_suite(file, spec, tmp_path / "set")
     asked = questions(read(file).experiment)
@@ -202,7 +221,7 @@ def test_formulations_that_cannot_be_written_are_refused(formulation, message, t
 
 @pytest.fixture(scope="module")
 def legs(tmp_path_factory):
-    """A suite of legs, and the rows of its table."""
+    """A suite of legs and its table's rows."""
     folder = tmp_path_factory.mktemp("legs")
     file = suite(folder, LEGS)
     export_suite(file, "disjunctive", folder / "set")
@@ -210,7 +229,10 @@ def legs(tmp_path_factory):
 
 
 def test_false_claims_and_bounds_are_counted_by_method(legs, tmp_path):
-    """One program overstates what it knows, the other does not; questions left out are rows."""
+    """False claims and bounds are counted by method.
+
+    One program overstates what it knows, the other does not; questions left out are rows.
+    """
     file, rows = legs
     best = next(row for row in rows if row["branch"] == "best")
     turn = f"{2 * np.pi!r} {best['lengths']}"
@@ -253,7 +275,10 @@ def test_the_same_answers_are_kept_once_and_other_ones_replace_them(legs, tmp_pa
 
 
 def test_json_and_csv_are_judged_alike(legs, tmp_path):
-    """Lists of numbers in one, texts in the other; what is told as seconds is the time."""
+    """JSON and CSV are judged alike.
+
+    Lists are numbers in one, texts in the other; what is told as seconds is the time.
+    """
     file, rows = legs
     answers = [known(row, seconds=0.25) for row in rows if row["lengths"]]
     listed = [
@@ -340,7 +365,9 @@ def test_a_suite_of_convex_problems_has_no_paths_to_judge(tmp_path):
 
 @pytest.mark.skipif(shutil.which("g++") is None, reason="no C++ compiler")
 def test_a_program_in_another_language_takes_part(tmp_path):
-    """Far from the start its turn and straight line are the shortest path of one leg.
+    """A program in another language takes part.
+
+    Far from the start its turn and straight line are the shortest path of one leg.
 
     Past a via point they may be longer, but pass every point; it leaves other questions out.
     """
@@ -363,7 +390,10 @@ def test_a_program_in_another_language_takes_part(tmp_path):
 
 
 def test_the_columns_are_those_that_the_documentation_names():
-    """The page for other programs has each column of a file of answers."""
+    """The documentation names the columns of answers.
+
+    The page for other programs has each column of a file of answers.
+    """
     page = (SOURCE.parents[2] / "docs" / "reference-set.md").read_text()
 
     assert [name for name in COLUMNS if f"| `{name}` |" not in page] == []

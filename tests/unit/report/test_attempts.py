@@ -1,6 +1,7 @@
-"""All attempts counted: any split of the rows in any order gives the numbers of the whole.
+"""Counts of attempts, in any split and order.
 
-Numbers are those of the rows counted another way, and of rows worked by hand.
+Any split of the rows in any order gives the numbers of the whole. Numbers are those of the rows
+counted another way, and of rows worked by hand.
 """
 
 import math
@@ -36,7 +37,10 @@ FEW = settings(max_examples=settings.default.max_examples // 20)
 
 @st.composite
 def attempts(draw):
-    """Rows with what the numbers need, in no sensible combination."""
+    """Rows with what the numbers need.
+
+    Their combination makes no sense.
+    """
     text = st.sampled_from(["", "off by 2.5", "off by 7", "singular"])
     row = st.fixed_dictionaries(
         {
@@ -89,7 +93,10 @@ def tables(counted):
 
 
 def alike(one, two):
-    """Whether attempts give the same numbers, to the last bit."""
+    """Whether attempts give the same numbers.
+
+    They are compared to the last bit.
+    """
     assert len(one) == len(two)
     expected = tables(one)
     given = tables(two)
@@ -102,7 +109,10 @@ def alike(one, two):
 @FEW
 @given(attempts(), st.randoms(use_true_random=False), st.integers(1, 6))
 def test_any_split_in_any_order_is_the_whole(rows, random, parts):
-    """Rows go to any parts, and experiments to folders in any order."""
+    """Any split in any order is the whole.
+
+    Rows go to any parts, and experiments to folders in any order.
+    """
     shuffled = rows.sample(frac=1, random_state=random.randrange(2**32))
     which = [random.randrange(parts) for _ in range(len(rows))]
     with tempfile.TemporaryDirectory() as place:
@@ -164,7 +174,10 @@ def numbers_are_those_of(found, rows):
 
 
 def of_gaps(gaps):
-    """Rows of one solver, one region; an infinite gap is that of a path that does not arrive."""
+    """Rows of one solver and one region.
+
+    An infinite gap is that of a path that does not arrive.
+    """
     gaps = np.where(np.isfinite(gaps), gaps, np.nan)
     base = {"experiment": "e", "verdict": "longer", "outcome": "returned", "reference_word": "LS"}
     return pd.DataFrame({**base, "gap": gaps, "region": "outside", "wall_s": 1.0})
@@ -172,7 +185,10 @@ def of_gaps(gaps):
 
 @pytest.mark.slow
 def test_the_gap_profile_of_many_gaps_is_right_to_the_last_attempt(tmp_path):
-    """Of 20 000 different gaps the share within each end is exact."""
+    """The gap profile of many gaps is exact.
+
+    Of 20 000 different gaps the share within each end is exact, to the last attempt.
+    """
     gaps = np.random.default_rng(0).lognormal(-12, 4, 20_000)
     gaps[:7] = np.inf
     counted = attempts_of(tmp_path, of_gaps(gaps))
@@ -184,7 +200,10 @@ def test_the_gap_profile_of_many_gaps_is_right_to_the_last_attempt(tmp_path):
 
 
 def frame(**columns):
-    """Rows with what the metrics need, one value for all where a scalar is given."""
+    """Rows with what the metrics need.
+
+    A scalar is the value of all rows.
+    """
     n = max(len(value) for value in columns.values() if isinstance(value, list))
     base = {
         **{"experiment": "random", "scenario_id": [str(i) for i in range(n)], "solver": "a"},
@@ -237,7 +256,10 @@ def test_the_summary_by_hand(tmp_path, name):
 
 
 def test_what_the_presolve_answered_is_no_success_of_an_engine(tmp_path):
-    """Nor a failure, but where it denies a path; by rows and by counting alike."""
+    """Answers of the presolve are no engine's success.
+
+    Nor are they its failure, but where it denies a path; by rows and by counting alike.
+    """
     rows = frame(
         verdict=["none exists"] * 3 + ["none"],
         proof=["proved", "none", "proved", "none"],
@@ -258,8 +280,11 @@ def test_what_the_presolve_answered_is_no_success_of_an_engine(tmp_path):
 
 
 def test_a_crash_counts_where_an_answer_exists(tmp_path):
-    """A row that lost everything still belongs to a question that has an answer, or has none: the
-    target in the left disc is reached by RS and not by LS."""
+    """A crash counts where an answer exists.
+
+    A row that lost everything still belongs to a question that has an answer, or has none: the
+    target in the left disc is reached by RS and not by LS.
+    """
     lost = {"reference_word": None, "region": None, "gap": np.nan}
     lost |= {"verdict": "none", "outcome": "crashed"}
     place = dict(zip(NUMBERS, (0.0, 0.0, 0.0, 0.5, 0.8, 1.0, 1.0), strict=True))
@@ -283,7 +308,10 @@ def test_closed_form_comes_first_and_variants_after_their_solver():
 
 
 def test_fitted_order_recovers_a_power():
-    """gap = 3 n^-2 exactly; a value at rounding level is left out."""
+    """The fitted order recovers a power.
+
+    gap = 3 n^-2 exactly; a value at rounding level is left out.
+    """
     n = np.array([10, 20, 40, 80])
     assert metrics.fitted_order([*n, 640], [*(3.0 / n**2), 1e-16]) == pytest.approx(2)
     assert math.isnan(metrics.fitted_order([10], [0.1]))

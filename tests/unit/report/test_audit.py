@@ -1,4 +1,7 @@
-"""The audit of the paper and of published routes: against mpmath, Ipopt itself, and brute force."""
+"""The audit of the paper and of published routes.
+
+It is compared with mpmath, Ipopt itself, and brute force.
+"""
 
 from fractions import Fraction
 from itertools import pairwise
@@ -39,7 +42,7 @@ def precise():
 
 
 def offset(problem, z1, z2, z3):
-    """(4.10) and (4.11) as the paper writes them, in mpmath."""
+    """(4.10) and (4.11) in mpmath, as in the paper."""
     heading = mpmath.mpf(problem.heading.numerator) / problem.heading.denominator
     th0 = heading * mpmath.pi
     b = mpmath.mpf(1) / problem.radius
@@ -54,7 +57,10 @@ def offset(problem, z1, z2, z3):
 
 
 def solved(problem, word):
-    """The word's z by Newton's method on (4.10) and (4.11), from the closed form in doubles."""
+    """The word's z by Newton's method.
+
+    The equations are (4.10) and (4.11); it starts from the closed form in doubles.
+    """
     near = shortest(double(problem), word).segments
     start = [float(value) * problem.radius for value in near]
 
@@ -74,7 +80,10 @@ def double(problem, radius=None):
 
 @pytest.mark.usefixtures("precise")
 def test_every_cell_to_40_digits(found):
-    """Newton's method in another library arrives at the same 40 digits."""
+    """Every cell is right to 40 digits.
+
+    Newton's method in another library arrives at the same 40 digits.
+    """
     for cell in found["cells"]:
         expected = solved(PROBLEMS[cell["label"]], cell["word"])[cell["quantity"]]
         assert mpmath.nstr(expected, 40, strip_zeros=False) == cell["exact"], cell
@@ -95,7 +104,10 @@ def test_the_closed_form_in_doubles_agrees(found):
 
 
 def test_seven_cells_are_no_correct_roundings():
-    """By name; z2 of table 6.1 is 1.5e-7 short of a tie."""
+    """Seven cells are no correct roundings.
+
+    They are named; z2 of table 6.1 is 1.5e-7 short of a tie.
+    """
     named = {(c["table"], c["label"], c["quantity"]): c["verdict"] for c in misprints(committed())}
     assert named == {
         ("6.1", "problem 1", "z2"): "double rounding",
@@ -111,7 +123,10 @@ def test_seven_cells_are_no_correct_roundings():
 @pytest.mark.usefixtures("precise")
 @pytest.mark.parametrize("row", PRINTED, ids=lambda row: f"{row.label} {row.word}")
 def test_the_bias_solves_the_barrier_equations(row):
-    """Gradient of f - mu sum log z along the constraints' null space, differenced by mpmath."""
+    """The bias solves the barrier equations.
+
+    The gradient of f - mu sum log z along the constraints' null space is differenced by mpmath.
+    """
     problem = PROBLEMS[row.label]
     mu = exact.IPOPT_BARRIER
     with ctx.workdps(exact.WORKING):
@@ -131,7 +146,10 @@ def test_the_bias_solves_the_barrier_equations(row):
 
 @pytest.mark.parametrize("radius", [5, 10, 25])
 def test_the_bias_is_what_ipopt_returns(radius):
-    """Model (4.12) in the paper's units with Ipopt's default options, started beside LS."""
+    """The bias is what Ipopt returns.
+
+    It solves model (4.12) in the paper's units with its default options, started beside LS.
+    """
     casadi = pytest.importorskip("casadi")
     problem = PROBLEMS[f"problem 5, R={radius}"]
     z = casadi.SX.sym("z", 3)
@@ -183,7 +201,10 @@ def driven(label, z):
 
 
 def test_no_rounding_misses_by_more_than_is_allowed(found):
-    """Random parts within half a unit stay below, and some come close."""
+    """No rounding misses by more than allowed.
+
+    Random parts within half a unit stay below, and some come close.
+    """
     generator = np.random.default_rng(1)
     for row, path in zip(PRINTED, found["paths"], strict=True):
         segments = shortest(double(PROBLEMS[row.label]), row.word).segments
@@ -214,7 +235,10 @@ def test_the_algorithm_beyond_a_turning_circle(found):
 
 @pytest.mark.slow
 def test_the_unsplit_model_is_right_in_one_disc_only(found):
-    """Model (4.12) by brute force: turn left by z1, then the shortest RS from there."""
+    """The unsplit model is right in one disc.
+
+    Model (4.12) is solved by brute force: turn left by z1, then the shortest RS from there.
+    """
     for crossing in found["algorithm"]:
         problem = next(p for p in PROBLEMS.values() if p.position == crossing["label"])
         radius = float(crossing["radius"]) * 1.0001
@@ -275,7 +299,10 @@ ROUTES = [s for block in read("kaya").experiment.scenarios for s in scenarios(bl
 
 @pytest.mark.slow
 def test_one_published_length_is_not_the_shortest():
-    """All others are correct roundings of lengths in intervals of a relative width of 1e-9."""
+    """One published length is not the shortest.
+
+    All others are correct roundings of lengths in intervals of a relative width of 1e-9.
+    """
     records = routes.audit_routes(ROUTES)
 
     longer = [r for r in records if r["verdict"] != routes.SHORTEST]

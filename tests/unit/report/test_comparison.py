@@ -1,4 +1,7 @@
-"""The comparison of methods, and what evaluations and seconds go to: by hand on made-up rows."""
+"""The comparison of methods and of their costs.
+
+Numbers are worked by hand on made-up rows: what evaluations and seconds go to.
+"""
 
 from functools import partial
 
@@ -32,7 +35,10 @@ def answer(scenario, solver, seconds, right=True, **changes):
 
 
 def answers():
-    """Ipopt and SLSQP on two formulations: 2 and 1 ms on words, 4 ms and half wrong jointly."""
+    """Answers of Ipopt and SLSQP on two formulations.
+
+    They take 2 and 1 ms on words; jointly they take 4 ms and half are wrong.
+    """
     rows = []
     for number, scenario in enumerate(QUESTIONS):
         ipopt, slsqp = {"engine": "Ipopt"}, {"engine": "SLSQP"}
@@ -55,7 +61,7 @@ def answers():
 
 @pytest.fixture
 def asked(load_rows):
-    """Results of a run with a limit of 2 s an attempt."""
+    """Results of a run with 2 s an attempt."""
     return lambda rows, name="benchmark": load_rows(name, rows, time_limit_s=2.0)
 
 
@@ -68,7 +74,10 @@ def test_costs_leave_out_the_closed_form_and_who_met_too_few(asked):
 
 
 def test_means_ranks_and_shares(asked):
-    """By hand: half the questions at the limit of 2 s."""
+    """Means, ranks and shares by hand.
+
+    Half the questions are at the limit of 2 s.
+    """
     made = compared(asked(answers()))
     ranked, shift = mean_ranks(made)
     joint = ranked.loc["ipopt[model=joint]"]
@@ -84,8 +93,11 @@ def test_means_ranks_and_shares(asked):
 
 @pytest.mark.parametrize("limit_s", [None, 4.0])
 def test_a_late_answer_is_a_failure_everywhere(asked, limit_s):
-    """Right after 3 s counts as wrong after 2 s, in shares, counts and means; a row's own limit
-    goes before the run's."""
+    """A late answer is a failure everywhere.
+
+    Right after 3 s counts as wrong after 2 s, in shares, counts and means; a row's own limit goes
+    before the run's.
+    """
     rows = [answer(q, "slsqp", 1e-3, right=True, limit_s=limit_s) for q in QUESTIONS]
     rows += [answer(q, "ipopt", 3.0, right=True, limit_s=limit_s) for q in QUESTIONS[:3]]
     rows += [answer(q, "ipopt", 1e-3, right=True, limit_s=limit_s) for q in QUESTIONS[3:]]
@@ -102,7 +114,10 @@ def test_a_late_answer_is_a_failure_everywhere(asked, limit_s):
 
 
 def test_paired_tests_share_a_formulation(asked):
-    """Twelve wins of twelve: p = 2 / 2^12 by the exact sign test."""
+    """Paired tests share a formulation.
+
+    Twelve wins of twelve: p = 2 / 2^12 by the exact sign test.
+    """
     made = compared(asked(answers()))
     (test,) = formulation_tests(times(made), mean_ranks(made)[0]).to_dict("records")
 
@@ -146,7 +161,10 @@ def outside():
 
 
 def costly(scenario, solver="ipopt", **changes):
-    """Four words: 10 of 200 evaluations are those of the winning run, 5 lie outside of all."""
+    """Four words with counted evaluations.
+
+    10 of 200 are those of the winning run, 5 lie outside of all.
+    """
     made = {
         "engine": "Ipopt",
         "subproblems": "LS RS LR RL",
@@ -189,7 +207,10 @@ def test_every_evaluation_and_second_has_one_kind(attempts):
 
 
 def test_shares(load_rows):
-    """190 of 205 evaluations everywhere; the presolve's twin is known."""
+    """Shares of evaluations.
+
+    Other runs have 190 of 205 evaluations in all; the presolve's twin is known.
+    """
     results = load_rows(
         "benchmark", [make(scenario) for scenario in outside() for make in (costly, presolved)]
     )
@@ -203,7 +224,10 @@ def test_shares(load_rows):
 
 
 def test_wrong_answers_and_engines_that_do_not_count(attempts):
-    """Only right answers have a winning run; without counts the seconds still do."""
+    """Wrong answers have no winning run.
+
+    Only right answers have one; without an engine's counts the seconds still do.
+    """
     first, second, *_ = outside()
     uncounted = costly(
         first,

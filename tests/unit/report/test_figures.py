@@ -1,4 +1,7 @@
-"""All figures of a page of everything, and of one of sixty-four solvers; their tables."""
+"""All figures of two pages, and their tables.
+
+One page has everything, the other sixty-four solvers.
+"""
 
 import re
 
@@ -38,7 +41,10 @@ SCENARIOS = [Scenario(0, 0, 0, x, y) for x, y in ((4, 1), (5, -2), (-3, 2))]
 
 
 def many_methods():
-    """Fourteen engines on one formulation, five on each of the others; most answers are right."""
+    """Fourteen engines, and five on other formulations.
+
+    The fourteen share one formulation. Most answers are right.
+    """
     for place, formulation in enumerate(FORMULATIONS[1:]):
         for number, engine in enumerate(ENGINES if place == 0 else ENGINES[:5]):
             for n, scenario in enumerate(SCENARIOS):
@@ -61,7 +67,10 @@ def drawn_of(sections):
 
 @pytest.fixture(scope="module")
 def sections(tmp_path_factory):
-    """Every section of a page of sixty-four methods, the paper, sweeps, a plane and meshes."""
+    """Every section of a page of many methods.
+
+    It has sixty-four methods, the paper, sweeps, a plane and meshes.
+    """
     base = tmp_path_factory.mktemp("everything")
     rows = {
         "benchmark": many_methods(),
@@ -96,7 +105,10 @@ def is_map(ax):
 
 
 def curves(ax):
-    """The lines of a panel with a hue and many points: neither grey ones nor the closed form's."""
+    """Coloured lines of a panel with many points.
+
+    Grey lines and the closed form's are left out.
+    """
     lines = [line for line in ax.lines if len(line.get_xdata()) > 2]
     lines = [line for line in lines if line.get_linestyle() != "None"]
     return [line for line in lines if line.get_color() not in (RULE, INK)]
@@ -111,7 +123,9 @@ def test_the_page_has_figures_of_many_topics(pictures):
 
 @pytest.mark.slow
 def test_every_figure_fits_a_screen_and_says_what_its_axes_are(pictures):
-    """A label at each axis or one for all; maps of named cells have names instead.
+    """Every figure fits a screen with labelled axes.
+
+    There is a label at each axis or one for all; maps of named cells have names instead.
 
     A legend has less area than the panels together, and lies in the figure.
     """
@@ -141,7 +155,10 @@ def test_every_caption_ends_and_every_lead_is_one_sentence(sections):
 
 
 def test_what_all_names_of_a_panel_share_goes_to_its_title():
-    """Only if nothing is lost: a method without a presolve keeps the others' names long."""
+    """Shared parts of names go to the title.
+
+    They do so only if nothing is lost: a method without a presolve keeps the others' names long.
+    """
     shared = ["Ipopt, presolve", "SLSQP, presolve"]
 
     assert common_part(shared) == (" (presolve)", ["Ipopt", "SLSQP"])
