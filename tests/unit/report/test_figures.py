@@ -168,7 +168,10 @@ def test_what_all_names_of_a_panel_share_goes_to_its_title():
 
 
 def test_bars_of_all_columns_have_one_length():
-    """However long the names beside them; names of 44 characters are whole, in fewer columns."""
+    """Bars of all columns have one length.
+
+    The names beside them may be long; names of 44 characters are whole, in fewer columns.
+    """
     long, short = "Uno filterSQP, words start, options=default", "SCIP"
     for names, across in (((short, long, short), 3), ((long, long, long), 2)):
         table = pd.DataFrame({"formulation": [*"abc"], "short": names, "note": "38*", "right": 1.0})
@@ -206,7 +209,10 @@ def of_many(folder):
 
 
 def groups_of(ax):
-    """The names of a panel's lines, those of a formulation together: a title is between two."""
+    """Groups of a panel's names by formulation.
+
+    A title stands between two groups.
+    """
     labels = ax.get_yticklabels()
     ends = np.flatnonzero(np.diff(ax.get_yticks()) > 1) + 1
     return np.split([label.get_text() for label in labels], ends)
@@ -214,7 +220,10 @@ def groups_of(ax):
 
 @pytest.mark.slow
 def test_no_panel_has_more_than_ten_methods(pictures, of_many):
-    """Neither bars with names nor curves; maps alone have a line per engine."""
+    """No panel has more than ten methods.
+
+    That holds for bars with names and for curves; maps alone have a line per engine.
+    """
     for block in (*pictures.values(), *drawn_of(of_many.values())):
         for ax in block.figure.axes:
             assert len(curves(ax)) <= MOST_ENGINES, block.name
@@ -233,7 +242,10 @@ def test_every_solver_stays_in_the_tables(of_many):
 
 @pytest.mark.slow
 def test_long_tables_scroll_inside_their_frame(folder, tmp_path):
-    """Only long ones, and the page says so for those who do not see a scroll bar."""
+    """Long tables scroll inside their frame.
+
+    Only long ones do, and the page says so for those who do not see a scroll bar.
+    """
     page = render([folder], tmp_path / "out").read_text(encoding="utf-8")
     tables = re.findall(r'<figure class="table" id="table-([^"]+)">(.*?)</figure>', page, re.DOTALL)
 
@@ -246,7 +258,10 @@ def test_long_tables_scroll_inside_their_frame(folder, tmp_path):
 @pytest.mark.slow
 @pytest.mark.parametrize("formulation", ["closed form", None, "x" * 3000 + "\n<b>", "$\\frac"])
 def test_many_methods_of_one_strange_formulation_are_drawn(formulation, load_rows):
-    """No formulation of our own, or none that an engine solves; names as long as they like."""
+    """Many methods of a strange formulation are drawn.
+
+    It is no formulation of ours, or none that an engine solves; names are as long as they like.
+    """
     engine = "e" * 3000 + "\n\u202e$"
     strange = [
         attempt(
@@ -267,7 +282,10 @@ def test_many_methods_of_one_strange_formulation_are_drawn(formulation, load_row
 
 
 def test_a_file_does_not_depend_on_the_last_digits_of_the_layout(monkeypatch):
-    """Files are the same in every run; the layout's solver sorts by addresses in memory."""
+    """A file never depends on the layout's last digits.
+
+    Files are the same in every run; the layout's solver sorts by addresses in memory.
+    """
     layout = ConstrainedLayoutEngine.execute
 
     def rounded_otherwise(engine, figure):

@@ -14,7 +14,10 @@ MARGINS = (1e-2, 1e-4, 1e-8)
 
 
 def target(arc, margin):
-    """So many radii outside the left circle, at an arc angle."""
+    """A target near the left circle.
+
+    It lies so many radii outside, at an arc angle.
+    """
     r = 1 + margin
     return Scenario(0, 0, 0, r * math.sin(arc), 1 - r * math.cos(arc), 1, label="ladder")
 
@@ -27,12 +30,18 @@ def row(scenario, solver, path="exact", **changes):
 
 
 def along(scenario, arc):
-    """Along the circle, which misses the target by its margin."""
+    """A path along the circle.
+
+    It misses the target by its margin.
+    """
     return Path(scenario.start, [1.0], [arc])
 
 
 def rows():
-    """The exact path everywhere; a solver that follows the circle where its miss is below 1e-6."""
+    """Rows of an exact and an inexact solver.
+
+    The exact path is everywhere; the other solver follows the circle where its miss is below 1e-6.
+    """
     made = []
     for arc in (FRONT, REAR):
         for margin in (*MARGINS, *(-m for m in MARGINS)):
@@ -44,7 +53,10 @@ def rows():
 
 
 def test_a_short_path_is_told_from_a_right_one(load_rows):
-    """The check calls both optimal; only just inside the front half does a miss pay."""
+    """A short path is told from a right one.
+
+    The check calls both optimal; only just inside the front half does a miss pay.
+    """
     attempts = rungs(load_rows("ladder", rows()).rows)
     assert (attempts.groupby("side").size()[list(SIDES)] == 6).all()
     short = attempts[attempts["finding"] == "by its miss"]
@@ -53,7 +65,10 @@ def test_a_short_path_is_told_from_a_right_one(load_rows):
 
 
 def test_findings_and_the_worst_of_a_rung(load_rows):
-    """Coarse is not a wrong basin, and a rung is as good as its worst answer."""
+    """Findings and the worst of a rung.
+
+    Coarse is not a wrong basin, and a rung is as good as its worst answer.
+    """
     inside = target(FRONT, -1e-2)
     other = shortest_path(inside, "RS")
     made = [

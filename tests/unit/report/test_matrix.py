@@ -1,4 +1,7 @@
-"""Formulation by engine: filled cells, reasons, the best guess, and shares by stratum."""
+"""The table of formulations by engines.
+
+It has filled cells, reasons, the best guess, and shares by stratum.
+"""
 
 import numpy as np
 import pandas as pd
@@ -41,7 +44,9 @@ def cell(cells, engine, formulation):
 
 
 def test_the_best_guess_is_the_most_surely_right_then_the_fastest():
-    """Zero is faster and wrong more often; two of two say less than nearly all of many.
+    """The best guess is best supported, then fastest.
+
+    Zero is faster and wrong more often; two of two say less than nearly all of many.
 
     A cell says how few its questions are if nothing else was asked; no sample displaces the whole.
     """
@@ -66,7 +71,10 @@ def test_the_best_guess_is_the_most_surely_right_then_the_fastest():
 
 
 def test_a_panel_has_at_most_ten_engines():
-    """The ten with the most right answers, in the order of the table, without the closed form."""
+    """A panel has at most ten engines.
+
+    They have the most right answers, in the order of the table, without the closed form.
+    """
     lines = [method(WORDS, f"e{n:02}", share=n / 20) for n in range(14)]
     frame = pd.DataFrame([method("closed form", "closed form"), *lines, method(JOINT, "e00")])
     drawn = drawn_methods(frame)
@@ -85,7 +93,9 @@ def labelled(label, place, solver, right, **changes):
 
 @pytest.fixture
 def benchmark(load_rows):
-    """Two engines in two strata and one that no entry knows; the rows of a benchmark, with entries.
+    """A benchmark's rows, with entries.
+
+    There are two engines in two strata and one that no entry knows.
 
     The engine b was not to be had where the manifest was written.
     """
@@ -108,7 +118,9 @@ def benchmark(load_rows):
 
 
 def test_the_section_shows_every_pair_and_every_reason(benchmark):
-    """The cell has the share; the reason stands below under its number.
+    """The section shows every pair and every reason.
+
+    The cell has the share; the reason stands below under its number.
 
     A row counts whatever the manifest says; a pair that could be asked and has no row says so.
     """

@@ -1,4 +1,7 @@
-"""The paper's printed tables against the closed form; its figures, and sweeps over the radius."""
+"""The paper's tables, figures and sweeps.
+
+Its printed tables are compared with the closed form; the sweeps are over the radius.
+"""
 
 import math
 from fractions import Fraction
@@ -38,7 +41,10 @@ def test_26_of_the_33_cells_are_correct_roundings(cells):
 
 
 def test_the_papers_scenarios_are_those_of_the_experiment():
-    """The exact problems that the audit starts from, beside the doubles that solvers are given."""
+    """The paper's scenarios are the experiment's.
+
+    The audit starts from the exact problems; solvers are given the doubles beside them.
+    """
     for scenario in paper_scenarios():
         problem = PROBLEMS[scenario.label]
         assert (scenario.target_x, scenario.target_y) == problem.target
@@ -48,7 +54,10 @@ def test_the_papers_scenarios_are_those_of_the_experiment():
 
 
 def test_a_crossed_number_shows_why(cells):
-    """The exact text below it rounds to another number by itself."""
+    """A crossed number shows why.
+
+    The exact text below it rounds to another number by itself.
+    """
     lines = side_by_side(cells).fillna("").to_dict("records")
     pairs = [
         (printed[quantity], exact[quantity])
@@ -66,7 +75,10 @@ def test_a_crossed_number_shows_why(cells):
 
 
 def test_the_papers_figures_name_their_paths(results):
-    """6.1 to 6.5; every path is named, with its length."""
+    """The paper's figures name their paths.
+
+    They are 6.1 to 6.5; every path is named, with its length.
+    """
     rows = [attempt(s, branch=word) for s in paper_scenarios() for word in ("LS", "RS")]
     with drawing():
         section = figures_section(load_folders([results("paper", rows)]))
@@ -93,7 +105,10 @@ def where(radius):
 
 
 def folder_rows():
-    """Right answers, one by 0.5 % and one by 50 % too long, one lost, and a radius not asked."""
+    """Right, longer, lost and missing answers.
+
+    One is by 0.5 % and one by 50 % too long, one is lost, and a radius is not asked.
+    """
     exact = {"formulation": "closed form", "engine": "closed form"}
     rows = [attempt(where(radius), **exact) for radius in RADII]
     rows += [attempt(where(radius), "slsqp", wall_s=1e-3) for radius in RADII if radius != 55.0]
@@ -114,7 +129,10 @@ def loaded(load_rows):
 
 
 def test_only_visibly_wrong_answers_are_drawn(loaded):
-    """Half a percent lies on the line of the shortest lengths."""
+    """Only visibly wrong answers are drawn.
+
+    Half a percent lies on the line of the shortest lengths.
+    """
     (rows,) = sweep_rows(loaded.rows).values()
     drawn = visibly_wrong(rows)
 
@@ -136,8 +154,11 @@ def sweep_scenario(radius):
 
 
 def warm_rows():
-    """A solver that saves, one that pays, two that are the same: one counts no iterations, the
-    other none for a cold start."""
+    """Solvers that save, pay or do nothing, warm.
+
+    One saves, one pays, two are the same: one counts no iterations, the other none for a cold
+    start.
+    """
     made = []
     for place, radius in enumerate((1.0, 1.1, 1.2, 1.3, 1.4)):
         where = sweep_scenario(radius)
@@ -155,7 +176,9 @@ def warm_rows():
 
 
 def test_ratios_by_hand(load_rows):
-    """Ratios 0.1 to 0.5 in five steps; iterations halved; without a number there is no ratio.
+    """Ratios by hand.
+
+    Ratios are 0.1 to 0.5 in five steps; iterations are halved; without a number there is no ratio.
 
     A solver that is never warm is left out.
     """

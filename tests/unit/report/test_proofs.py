@@ -1,4 +1,7 @@
-"""The section on proofs of routes: a row for each limit, with numbers by hand."""
+"""The section on proofs of routes.
+
+It has a row for each limit, with numbers by hand.
+"""
 
 import math
 
@@ -12,7 +15,10 @@ SOLVER = "disjunctive"
 
 
 def row(number, limit, bound, claim=Claim.LIMIT, verdict="optimal", **changes):
-    """A judged attempt at a route of two legs whose shortest length is 10."""
+    """A judged attempt at a route of two legs.
+
+    Its shortest length is 10.
+    """
     given = {"via_x": [1.0], "via_y": [9.0], "formulation": "disjunction", "verdict": verdict}
     given |= {"scenario_id": str(number), "claim": claim, "limit_s": limit, "lower_bound": bound}
     given |= {"reference_low": 10.0, "reference_high": 10.0, "wall_s": limit / 2, "gap": 0.0}
@@ -20,8 +26,11 @@ def row(number, limit, bound, claim=Claim.LIMIT, verdict="optimal", **changes):
 
 
 def test_limits_are_apart(load_rows):
-    """What closes in 100 s is none of the row of 10 s; no bound is the bound 0; a late answer and
-    a claim that is false close nothing."""
+    """Limits are apart.
+
+    An attempt that closes in 100 s is none of the row of 10 s; no bound is the bound 0; a late
+    answer and a claim that is false close nothing.
+    """
     made = [
         row(0, 10.0, 8.0),
         row(1, 10.0, None),

@@ -1,4 +1,7 @@
-"""`examples/licensed_engines.py`: engines that need a licence, as a plug-in; tested without one."""
+"""`examples/licensed_engines.py`, tested without a licence.
+
+It has engines that need a licence, as a plug-in.
+"""
 
 import importlib.util
 import math
@@ -34,7 +37,10 @@ def module():
 
 
 def linear(n):
-    """A linear program of n variables and n equations, whose optimum is n."""
+    """A linear program of n variables and equations.
+
+    Its optimum is n.
+    """
 
     def write(x, functions):
         return Written(sum(x), [Row(variable, 1.0, 1.0) for variable in x])
@@ -73,7 +79,10 @@ class Variable(float):
 
 
 class Model:
-    """A stand-in for `gurobipy.Model` that knows its answer: z = (1, 0, 2)."""
+    """A stand-in for `gurobipy.Model`.
+
+    It knows its answer: z = (1, 0, 2).
+    """
 
     Status = 2
     SolCount = 1
@@ -185,7 +194,10 @@ def test_where_it_is_installed_it_proves_the_optimum(engine, model, capfd):
 
 @pytest.mark.parametrize("engine", INSTALLED)
 def test_a_program_too_large_for_the_licence_is_a_message(engine):
-    """The wheels' licences end at 2 000 (Gurobi) and 5 000 (Xpress) variables and constraints."""
+    """A program too large gives a message.
+
+    The wheels' licences end at 2 000 (Gurobi) and 5 000 (Xpress) variables and constraints.
+    """
     result = getattr(module(), engine)(SETTINGS)(linear(6000), 20.0)
 
     if result.claim is Claim.OPTIMAL:  # here is a licence without limits

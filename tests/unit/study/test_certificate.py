@@ -1,4 +1,4 @@
-"""How far a proof goes: proved, only bounded, an extremal, or a lie.
+"""Proofs of paths: proved, bounded, extremal, or lies.
 
 A certificate is of the path itself: no adversary that looks like a shortest path is proved.
 """
@@ -29,7 +29,10 @@ def certified(scenario, path, branch="best", claim=Claim.LOCAL, **said):
 @pytest.mark.parametrize("name", ALL)
 @pytest.mark.parametrize("branch", BRANCHES)
 def test_the_closed_form_is_proved_everywhere(name, branch):
-    """Also that there is no path, where there is none."""
+    """The closed form is proved everywhere.
+
+    It is also proved that there is no path, where there is none.
+    """
     path = shortest_path(ALL[name], branch)
     found = certified(ALL[name], path, branch, Claim.INFEASIBLE if path is None else Claim.OPTIMAL)
 
@@ -39,7 +42,10 @@ def test_the_closed_form_is_proved_everywhere(name, branch):
 
 @pytest.mark.parametrize("problem", PAPER)
 def test_the_papers_feasible_row_is_an_extremal_and_no_more(problem):
-    """LS where RS is best satisfies every condition, and the cut rejects it (derivation.md, 9)."""
+    """The paper's feasible row is only an extremal.
+
+    LS where RS is best satisfies every condition, and the cut rejects it (derivation.md, 9).
+    """
     scenario = PAPER[problem]
     both = [shortest_path(scenario, word) for word in ("LS", "RS")]
     longer = max(both, key=lambda path: path.length)
@@ -52,7 +58,10 @@ def test_the_papers_feasible_row_is_an_extremal_and_no_more(problem):
 
 
 def test_a_short_path_that_is_no_extremal_is_not_proved():
-    """Forty steps that average to the shortest path's turn: optimal to four digits, unproved."""
+    """A short path that is no extremal is unproved.
+
+    Forty steps average to the shortest path's turn: optimal to four digits, unproved.
+    """
     path = shortest_path(PROBLEM)
     wobble = 1 + 1e-3 * np.sin(np.arange(40))
     arc, straight = path.lengths
@@ -66,7 +75,10 @@ def test_a_short_path_that_is_no_extremal_is_not_proved():
 
 
 def test_a_bound_proves_what_no_condition_does():
-    """A global solver's own bound, if it is within the tolerance; it names no extremal."""
+    """A bound proves what no condition does.
+
+    It is a global solver's own bound, if it is within the tolerance; it names no extremal.
+    """
     exact = shortest_path(PROBLEM)
     arc, straight = exact.lengths
     # an arc of 1e-5 the other way makes it no extremal, and no longer to speak of
@@ -84,7 +96,10 @@ def test_a_bound_proves_what_no_condition_does():
 
 
 def test_an_answer_that_owes_its_length_to_its_miss_is_not_proved():
-    """Inside a circle's front by 1e-8: the arc beside it arrives and proves nothing."""
+    """A length that a miss explains is not proved.
+
+    Inside a circle's front by 1e-8 the arc beside it arrives and proves nothing.
+    """
     r = 1 - 1e-8
     scenario = Scenario(0, 0, 0, r * math.sin(0.3), 1 - r * math.cos(0.3), 1)
     arc = Path(scenario.start, [1.0], [0.3])
@@ -99,7 +114,10 @@ def test_an_answer_that_owes_its_length_to_its_miss_is_not_proved():
 
 @pytest.mark.parametrize("bound", [0.4, 1e9, math.inf])
 def test_a_bound_above_the_answers_own_length_is_false(bound):
-    """On a circle, where the data leave open whether LS exists: the arc that arrives does."""
+    """A bound above the answer's own length is false.
+
+    On a circle, where the data leave open whether LS exists, the arc that arrives shows it.
+    """
     scenario = Scenario(0, 0, 0, math.sin(0.3), 1 - math.cos(0.3), 1)
     arc = Path(scenario.start, [1.0], [0.3])
 
@@ -110,7 +128,10 @@ def test_a_bound_above_the_answers_own_length_is_false(bound):
 
 @pytest.mark.parametrize("path", [None, Path(Pose(0, 0, 0), [math.nan], [1.0])])
 def test_nothing_is_said_of_no_path(path):
-    """Nor does it prove that there is none, where one exists."""
+    """Nothing is said of no path.
+
+    Nor does it prove that there is none, where one exists.
+    """
     found = certified(PROBLEM, path)
 
     assert found.proof is Proof.NONE
@@ -121,7 +142,10 @@ def test_nothing_is_said_of_no_path(path):
 
 @pytest.mark.parametrize("branch", ["best", "LS", "RS"])
 def test_multipliers_are_compared_with_the_costates(branch):
-    """Those of (4.12) are -(nu1, nu2)/nu0 (derivation.md, 9); a sign error is 2, a turn shows."""
+    """Multipliers are compared with the costates.
+
+    Those of (4.12) are -(nu1, nu2)/nu0 (derivation.md, 9); a sign error is 2, a turn shows.
+    """
     path = shortest_path(PROBLEM, branch)
     heading = path.end.heading
     right = (math.cos(heading), math.sin(heading))
@@ -136,7 +160,10 @@ START = Pose(0.0, 0.0, 0.0)
 
 
 def at_its_end(curvature, length, branch="best") -> tuple[Certificate, Path]:
-    """The certificate of a path of radius 1 for the question that its own end answers."""
+    """Certificate of a path for its own end.
+
+    The path has radius 1; its own end is the question.
+    """
     path = Path(START, curvature, length)
     scenario = Scenario(*START, path.end.x, path.end.y, 1)
     return certified(scenario, path, branch, Claim.OPTIMAL), path
@@ -175,7 +202,10 @@ ADVERSARIES = {
 @pytest.mark.parametrize("branch", ["best", "LS"])
 @pytest.mark.parametrize("name", ADVERSARIES)
 def test_no_adversary_is_proved(name, branch):
-    """Small things add up; what is driven counts, not what it looks like."""
+    """No adversary is proved.
+
+    Small things add up; what is driven counts, not what it looks like.
+    """
     curvature, length = map(np.asarray, ADVERSARIES[name])
     if branch == "LS" and curvature.min() < 0:
         pytest.skip("turns to both sides")
@@ -187,7 +217,10 @@ def test_no_adversary_is_proved(name, branch):
 
 
 def test_a_straight_that_bends_is_no_straight():
-    """nu3 vanishes at both its ends and not between, where an integrator sees it."""
+    """A straight that bends is no straight.
+
+    nu3 vanishes at both its ends and not between, where an integrator sees it.
+    """
     found, _ = at_its_end([1.0, 1e-5], [1.0, 6.0], "LS")
 
     # the costates point along the chord: a bulge of rate length^2 / 8, of a path of 7 radii
@@ -196,7 +229,10 @@ def test_a_straight_that_bends_is_no_straight():
 
 
 def test_a_path_that_cannot_be_driven_has_no_certificate():
-    """Found by an adversary: a length of -4.59 had a cut margin of 5.4, a NaN piece a residual."""
+    """An impossible path has no certificate.
+
+    An adversary found it: a length of -4.59 had a cut margin of 5.4, a NaN piece a residual.
+    """
     curvature = np.array([[1, 1, 1, np.nan, 1, np.inf, 1, 0], [0, 0, 0, 0, np.nan, 0, 0, 0.0]])
     length = np.array([[1, -4.59, np.nan, 1, 1, 1, np.inf, 1e308], [2, 2, 2, 2, 1e-9, 2, 2, 1e308]])
     scenario = Scenario(*START, 3, 1, 1)
@@ -208,7 +244,11 @@ def test_a_path_that_cannot_be_driven_has_no_certificate():
 
 
 def test_a_path_that_nothing_but_its_size_makes_extremal_has_no_costates():
-    """The condition on nu3, divided by a length of 1e299, is the least violated: no costate."""
+    """A huge path that only looks extremal is none.
+
+    It has no costates. The condition on nu3, divided by a length of 1e299, is the least violated:
+    no costate.
+    """
     scenario = Scenario(0, 0, 0.3, 5, 1, 1000)
     path = Path(scenario.start, [0.001, -0.001, 2.73e-251], [2.8e-22, 1.6e70, 2.39e298])
     found = certify(scenario, path, judge(scenario, path))

@@ -1,4 +1,7 @@
-"""The table of kinds: each question is of one, and whoever needs to know asks the table."""
+"""The table of kinds.
+
+Each question is of one kind. Code that needs the kind asks the table.
+"""
 
 import ast
 from pathlib import Path
@@ -59,7 +62,10 @@ def test_examples_are_of_their_kind(kind):
 
 @pytest.mark.parametrize("kind", KINDS, ids=lambda kind: kind.name)
 def test_the_exact_answer_is_within_the_reference(kind):
-    """Closed forms and search beside ball arithmetic and the search's own bounds."""
+    """The exact answer is within the reference.
+
+    Closed forms and search stand beside ball arithmetic and the search's own bounds.
+    """
     for scenario in (OF_KIND[kind.name], *kind.examples.values()):
         found = kind.exact(scenario, "best", 10.0)
         reference = reference_of(scenario)
@@ -100,7 +106,7 @@ WHO_ASKS = {
 
 
 def _asks(node: ast.AST) -> bool:
-    """Whether an expression asks which kind of question it has."""
+    """Whether an expression asks for a question's kind."""
     text = ast.unparse(node)
     test = node.test if isinstance(node, ast.If | ast.IfExp | ast.While) else None
     if isinstance(node, ast.Compare):
@@ -112,7 +118,10 @@ def _asks(node: ast.AST) -> bool:
 
 
 def test_few_ask_for_the_kind_themselves():
-    """At most fifteen functions outside the table and the scenario, each with its reason."""
+    """Few functions ask for the kind themselves.
+
+    At most fifteen do outside the table and the scenario, each with its reason.
+    """
     found = set()
     for file in PACKAGE.rglob("*.py"):
         name = str(file.relative_to(PACKAGE))

@@ -1,4 +1,7 @@
-"""The check of routes and of final headings: what it accepts, what it compares with."""
+"""The check of routes and of final headings.
+
+Tested are what it accepts and what it compares with.
+"""
 
 import math
 from dataclasses import replace
@@ -43,7 +46,10 @@ NO_TIME = Tolerances(search_s=1e-9)
     ],
 )
 def test_what_misses_and_why(scenario, changed, branch, reason):
-    """A millionth of the radius is allowed. The campaign tries misses of every size."""
+    """Misses and their reasons.
+
+    A millionth of the radius is allowed. The campaign tries misses of every size.
+    """
     path = solve(scenario).path
     asked = replace(scenario, **changed)
     expected = Verdict.OPTIMAL if reason is None else Verdict.MISSES
@@ -98,7 +104,11 @@ def test_a_detour_is_longer(scenario):
 @pytest.mark.parametrize("arc", [0.5, 1.0, math.pi, 4.0, 5.5])
 @pytest.mark.parametrize("side", [1, -1])
 def test_a_needless_turn_is_longer_from_half_a_turn_on(arc, side):
-    """A leg of one arc. Below half a turn, rounding may put its end where a turn more is needed."""
+    """A needless turn is longer from half a turn.
+
+    It is a leg of one arc. Below half a turn, rounding may put its end where a turn more is
+    needed.
+    """
     end = math.sin(arc), side * (1.0 - math.cos(arc))
     scenario = Scenario(target_x=end[0], target_y=end[1], final_heading=side * arc)
     path = Path(scenario.start, [side], [arc])
@@ -110,7 +120,10 @@ def test_a_needless_turn_is_longer_from_half_a_turn_on(arc, side):
 
 
 def test_an_answer_tells_where_it_visits_the_via_points():
-    """In their order, each within what a path may miss by; nothing where there is none."""
+    """An answer tells its visits of via points.
+
+    They are in their order, each within what a path may miss by; nothing where there is none.
+    """
     answer = solve(ROUTE)
     places = answer.path.at(answer.visits)
 
@@ -125,7 +138,10 @@ def _judgement(answer):
 
 
 def test_what_the_interval_leaves_open_is_undecided():
-    """Neither right nor wrong, whatever is claimed; a path that is surely longer is longer."""
+    """Answers within an open interval are undecided.
+
+    They are neither right nor wrong, whatever is claimed; a path that is surely longer is longer.
+    """
     path = solve(FREE).path
     shortest._known.clear()  # which closed the gap
 
@@ -144,11 +160,17 @@ def test_what_the_interval_leaves_open_is_undecided():
 
 
 def test_the_check_repeats_no_search(monkeypatch):
-    """A search is the solver's own each time; the check takes the last one if it suffices."""
+    """The check repeats no search.
+
+    A search is the solver's own each time; the check takes the last one if it suffices.
+    """
     limits: list[float] = []
 
     def told(*given):
-        """What a solver is told of a limit: 95 % of it, less what building took."""
+        """The limit that a solver is told.
+
+        It is 95 % of the limit, less what building took.
+        """
         return pytest.approx([0.95 * each for each in given], rel=0.02)
 
     def search(*question, limit, **options):
@@ -181,7 +203,10 @@ def _zigzag(points):
 
 @pytest.mark.parametrize("speed", [1e5, 1e12])
 def test_what_the_solver_searched_is_the_reference_on_any_machine(speed, monkeypatch):
-    """The search was ended by its limit; a check that may take as long does not search again."""
+    """The solver's search is the reference on any machine.
+
+    The search was ended by its limit; a check that may take as long does not search again.
+    """
     searches = []
     search_routes = shortest.search
     monkeypatch.setattr(shortest, "BOXES_A_SECOND", speed)
@@ -197,7 +222,10 @@ def test_what_the_solver_searched_is_the_reference_on_any_machine(speed, monkeyp
 
 
 def test_a_check_out_of_time_certifies_less():
-    """The conditions are not checked; the interval, which is known, still proves the path."""
+    """A check out of time certifies less.
+
+    The conditions are not checked; the interval, which is known, still proves the path.
+    """
     answer = solve(ROUTE)
     judged_before = judge(ROUTE, answer.path)
     late = replace(Tolerances(), until=-math.inf)
@@ -210,7 +238,10 @@ def test_a_check_out_of_time_certifies_less():
 
 
 def test_a_longer_answer_comes_with_the_shorter_path():
-    """The check's own path is an answer too, judged as all are."""
+    """A longer answer comes with the shorter path.
+
+    The check's own path is an answer too, judged as all are.
+    """
     best = solve(ROUTE).path
     circled = Path(best.start, [1.0, *best.curvatures], [2 * math.pi, *best.lengths])
     reply = Reply(Outcome.RETURNED, Solution(Claim.LOCAL, circled), Times())
@@ -243,7 +274,9 @@ def test_no_path_is_judged_without_a_search(monkeypatch):
 
 @pytest.mark.parametrize("via", [(), [(-3, 2)]])
 def test_missing_by_a_little_buys_no_turn(via):
-    """Just inside the start's circle the shortest path is a whole turn longer than on it.
+    """Missing by a little buys no turn.
+
+    Just inside the start's circle the shortest path is a whole turn longer than on it.
 
     A path to the circle, which misses by less than is allowed, is compared with the shortest one to
     where it ends: it is right, but only an extremal.
@@ -271,7 +304,10 @@ def test_missing_by_a_little_buys_no_turn(via):
 
 @pytest.mark.parametrize("seed", range(8))
 def test_rounding_beside_the_turning_circle_costs_no_turn(seed):
-    """A point computed to lie on the start's circle, inside or outside by rounding."""
+    """Rounding beside the turning circle costs no turn.
+
+    A point is computed to lie on the start's circle, inside or outside by rounding.
+    """
     rng = np.random.default_rng(seed)
     arc = Path(Pose(*rng.uniform(-5, 5, 3)), [1.0], [rng.uniform(0.3, 3)])
     x, y, heading = arc.end
@@ -290,14 +326,20 @@ def test_rounding_beside_the_turning_circle_costs_no_turn(seed):
 
 
 def test_the_check_knows_a_path_where_the_answer_has_none():
-    """Also of a leg; not of an answer that is the shortest."""
+    """The check knows a path that the answer lacks.
+
+    It also knows one of a leg; not of an answer that is the shortest.
+    """
     nothing = judged("nobody", Question(FREE), Reply(Outcome.RETURNED, Solution(Claim.FAILED)))
 
     assert shorter_answer(nothing).verdict in (Verdict.OPTIMAL, Verdict.UNDECIDED)
 
 
 def test_what_loads_is_no_part_of_a_limit(monkeypatch):
-    """The loops of the search are ready before a solver builds, and before its limit begins."""
+    """Loading is no part of a limit.
+
+    The loops of the search are ready before a solver builds, and before its limit begins.
+    """
     ready = []
     monkeypatch.setattr("dubins_study.study.route.search.compile_loops", lambda: ready.append(1))
 

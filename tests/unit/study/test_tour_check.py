@@ -1,4 +1,7 @@
-"""The check of tours, headings at stops, free starts and closed paths, beside dense samples."""
+"""The check of tours, beside dense samples.
+
+It is tested with headings at stops, free starts and closed paths.
+"""
 
 import math
 from dataclasses import replace
@@ -22,7 +25,10 @@ SOON = Tolerances(search_s=0.1)
 
 
 def random_path(rng):
-    """Up to eight arcs and straights, of more than a turn among them."""
+    """A path of up to eight arcs and straights.
+
+    Some arcs are of more than a turn.
+    """
     n = int(rng.integers(1, 9))
     return Path(
         Pose(*rng.uniform(-2, 2, 2), rng.uniform(-4, 4)),
@@ -33,7 +39,10 @@ def random_path(rng):
 
 @pytest.mark.parametrize("seed", range(60))
 def test_each_point_is_visited_first_in_any_order(seed):
-    """Points on a path, half of them with the heading there; no sample before is a visit."""
+    """Each point is visited first, in any order.
+
+    The points lie on a path, half of them with the heading there; no sample before is a visit.
+    """
     rng = np.random.default_rng((34, seed))
     path = random_path(rng)
     placed = rng.uniform(0.0, path.length, 6)
@@ -70,7 +79,10 @@ THROUGH = Scenario(target_x=0, target_y=2, via=[(4, 2), (9, 1), (4, 0)], order="
 
 
 def test_the_order_is_read_from_the_path():
-    """Whatever that of the points in the scenario; the route in their order is missed."""
+    """The order is read from the path.
+
+    The order of the points in the scenario does not matter; the route in their order is missed.
+    """
     np.testing.assert_allclose(integrated(U_TURN)[:2], (0, 2), atol=1e-9)
     judged = judge(THROUGH, U_TURN)
 
@@ -86,7 +98,10 @@ def test_the_order_is_read_from_the_path():
 
 
 def test_a_point_that_is_passed_early_counts_there():
-    """A figure of eight passes its middle twice; a target that is passed early is no end."""
+    """A point that is passed early counts there.
+
+    A figure of eight passes its middle twice; a target that is passed early is no end.
+    """
     eight = Path(Pose(-3, 0, 0), [0.0, 1.0, 0.0, -1.0], [6.0, 1.5 * math.pi, 4.0, 1.0])
     crossing = eight.at(6.0 + 1.5 * math.pi + 1.0)[0, :2]
     assert crossing == pytest.approx((2.0, 0.0), abs=1e-9)
@@ -120,7 +135,10 @@ def test_a_heading_at_a_stop_is_met(off, verdict, order):
 
 @pytest.mark.parametrize("off", [0.7, 1e-3, 2.5e-6])
 def test_the_second_passing_counts_where_it_has_the_heading(off):
-    """A path that comes through a point with another heading, and returns there with the right."""
+    """The second passing counts for a heading.
+
+    A path comes through a point with another heading, and returns there with the right one.
+    """
     back = pose_path(Pose(2, 0, 0), Pose(2, 0, -off), 1.0)
     path = Path(Pose(0, 0, 0), [0.0, *back.curvatures, 0.0], [2.0, *back.lengths, 3.0])
     end = path.end
@@ -133,7 +151,10 @@ def test_the_second_passing_counts_where_it_has_the_heading(off):
 
 
 def test_a_closed_path_ends_with_the_heading_of_its_start():
-    """A turn more is the same heading; whoever comes back with another one misses."""
+    """A closed path ends with its start's heading.
+
+    A turn more is the same heading; a path that comes back with another one misses.
+    """
     circle = Path(Pose(0, 0, 1.0), [1.0], [2 * math.pi])
     x, y, _ = circle.at(2.0)[0]
     scenario = Scenario(heading=1.0, via=[(x, y)], closed=True)
@@ -170,7 +191,10 @@ def test_a_free_start_begins_at_its_place():
 
 
 def test_an_open_end_is_wherever_all_are_passed():
-    """What is driven beyond the last point is driven for nothing."""
+    """An open end is wherever all are passed.
+
+    What is driven beyond the last point is driven for nothing.
+    """
     scenario = Scenario(via=[(3, 0), (8, 0), (5, 0)], order="free")
 
     assert judge(scenario, Path(scenario.start, [0.0], [8.0])).verdict is Verdict.OPTIMAL
@@ -190,7 +214,9 @@ CHEATED = {
 @pytest.mark.many(3)
 @pytest.mark.parametrize("name", CHEATED)
 def test_who_misses_points_by_less_than_is_allowed_gains_nothing(name):
-    """The best tours of points moved by up to 1e-6 R arrive, and by no more than that shorter.
+    """Missing points by little gains nothing.
+
+    The best tours of points moved by up to 1e-6 R arrive, and by no more than that shorter.
 
     Those of points moved by more miss. Nobody's claim `optimal` is false for a millionth.
     """
@@ -218,7 +244,10 @@ INSIDE, OUTSIDE = (0.0, 2.0 - 4e-7), (0.0, 2.0 + 4e-7)
 
 @pytest.mark.parametrize("ends", [{}, {"target_x": -6, "target_y": 2}, {"closed": True}])
 def test_a_shortcut_of_a_turn_is_judged_by_the_points_that_it_visits(ends):
-    """The reference falls by a jump within what is allowed; the cheat is no crash and no proof."""
+    """Visited points judge a shortcut of a turn.
+
+    The reference falls by a jump within what is allowed; the cheat is no crash and no proof.
+    """
     asked = Scenario(**ends, via=[INSIDE], order="free")
     cheat = solve(replace(asked, via=[OUTSIDE])).path
 
@@ -235,7 +264,10 @@ def test_a_shortcut_of_a_turn_is_judged_by_the_points_that_it_visits(ends):
 )
 @pytest.mark.parametrize("via", [[(0, 5e-7)], [(0, 5e-7), (0, -5e-7)], [(0, 5e-7, 0.0)]])
 def test_a_path_may_rest_where_all_points_are(via, ends):
-    """It is no crash, and nothing is claimed for more than it is."""
+    """A path may rest where all points are.
+
+    It is no crash, and nothing is claimed for more than it is.
+    """
     asked = Scenario(**ends, via=via, order="free")
     resting = Path(Pose(0, 0, 0), [], [])
 

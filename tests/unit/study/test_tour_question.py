@@ -1,4 +1,7 @@
-"""Tours, given headings at via points, free starts and closed paths: as scenarios, frames, rows."""
+"""Tours as scenarios, frames and rows.
+
+There are given headings at via points, free starts and closed paths.
+"""
 
 import math
 import pickle
@@ -79,7 +82,10 @@ def test_a_free_start_has_no_pose():
 
 
 def test_stops_and_needs():
-    """Where a path ends, and what a solver must take, by the fields that are given."""
+    """Stops, and needs of a solver.
+
+    The fields that are given tell where a path ends, and what a solver must take.
+    """
     stops = {name: scenario.stops for name, scenario in SCENARIOS.items()}
     needs = {name: set(scenario.needs) for name, scenario in SCENARIOS.items()}
 
@@ -121,7 +127,10 @@ def test_points_of_a_frame_have_headings():
 
 
 def test_ids_of_older_scenarios_are_what_they_were():
-    """They stand in results folders; what is new has ids of its own."""
+    """Ids of older scenarios are what they were.
+
+    They stand in results folders; what is new has ids of its own.
+    """
     old = {
         "1d3d82903d2a36ff": Scenario(**TARGET),
         "b6eb7f75f16cbec6": Scenario(1, 2, "30deg", -3, 4, 2, 0.5, "a"),
@@ -195,7 +204,11 @@ def row(scenario):
 
 
 def test_frames_go_round():
-    """Rows of columns, of a list of scenarios, checked once and twice, and solved."""
+    """Frames go round.
+
+    Rows come from columns and from a list of scenarios; they are checked once and twice, and
+    solved.
+    """
     expected = list(SCENARIOS.values())
     listed = pd.DataFrame(expected)
     listed["heading"] = ["free" if one.heading is None else one.heading for one in expected]
@@ -214,7 +227,10 @@ def test_frames_go_round():
 
 @every
 def test_a_row_keeps_the_scenario_and_the_path(scenario):
-    """By way of Arrow, which older readers of a part see as well."""
+    """A row keeps the scenario and the path.
+
+    It goes by way of Arrow, which older readers of a part see as well.
+    """
     answer = solve(scenario)
     table = rows_table([dict.fromkeys(names(ROW)) | answer.row()])
     [from_arrow] = table.to_pylist()
@@ -230,7 +246,7 @@ def test_a_row_keeps_the_scenario_and_the_path(scenario):
 
 
 def drawn(rng):
-    """A scenario with each of the optional fields or without it."""
+    """A scenario with or without each optional field."""
     via = rng.uniform(-9, 9, (int(rng.integers(0, 3)), 2)).tolist()
     if rng.random() < 0.3:
         via = [(*point, rng.uniform(-3, 3)) for point in via]
@@ -257,7 +273,10 @@ def test_each_scenario_and_its_row_are_of_one_kind():
 
 
 def options_of(command):
-    """The words of a command by option; those before any are those of the program."""
+    """Words of a command by option.
+
+    Those before any are those of the program.
+    """
     options: dict[str, list[list[str]]] = {}
     values: list[str] = []
     for word in shlex.split(command):

@@ -1,4 +1,7 @@
-"""The search for tours, where its lower end or its limits are easily wrong."""
+"""The search for tours at its edges.
+
+There its lower end or its limits are easily wrong.
+"""
 
 from __future__ import annotations
 
@@ -49,7 +52,10 @@ def test_many_points_have_a_good_tour_and_a_lower_end(count: int, closed: bool) 
 
 
 def test_a_dense_loop_is_bounded_as_well_as_a_route() -> None:
-    """Both ways round two points and a start are one loop, which the search for routes bounds."""
+    """A dense loop's bound matches a route's.
+
+    Both ways round two points and a start are one loop, which the search for routes bounds.
+    """
     points = np.array([(1.0, 0.0), (0.5, 0.8)])
     stops = Stops(points, [None] * 2, None, (0.0, 0.0), None, closed=True)
 
