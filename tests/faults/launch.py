@@ -21,7 +21,7 @@ from dubins_study.study.rows.schema import KEY, names
 from tests.marked import alive, kill_all, left_behind, marked
 
 ROOT = Path(__file__).parents[2]
-HERE = Path(__file__).parent
+PLUGINS = ROOT / "tests" / "plugins"
 # far above what any run here takes; only a run that hangs gets there
 PATIENCE = 150.0
 # what differs between two runs that find the same
@@ -123,12 +123,12 @@ def until(condition: Callable[[], Any], run: Started | None = None) -> Any:
 
 
 def spec(file: str, name: str, **settings: object) -> str:
-    """Spec of a plug-in in this folder.
+    """Spec of a plug-in in `tests/plugins`.
 
     It has the path that rows show as well.
     """
     given = ",".join(f"{key}={value}" for key, value in settings.items())
-    return f"{HERE / file}.py:{name}" + (f"[{given}]" if given else "")
+    return f"{PLUGINS / file}.py:{name}" + (f"[{given}]" if given else "")
 
 
 def experiment(folder: Path, *blocks: tuple[list[str], int], name: str = "faults") -> Path:

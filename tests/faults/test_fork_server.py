@@ -80,7 +80,7 @@ def test_the_callers_own_processes_end_at_sigterm(tmp_path, before):
 ORPHAN = """
 import time
 from pathlib import Path
-from tests.faults.hostile_endless import Daemon
+from tests.plugins.hostile_endless import Daemon
 class Noted(Daemon):
     def hang(self):
         super().hang()

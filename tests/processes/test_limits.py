@@ -22,7 +22,7 @@ from dubins_study.solvers.registry import available_solvers, load
 from tests.cases import PAPER, question_for, scenario_frame
 from tests.marked import left_behind, marked
 
-PLUGINS = Path(__file__).parent / "plugins_that_hang.py"
+PLUGINS = Path(__file__).parents[1] / "plugins" / "hanging.py"
 EASY = PAPER["problem 1"]
 
 # Where SCIP's linear solver printed more than a pipe holds, while Pyomo read that pipe only after
