@@ -13,8 +13,8 @@ from dubins_study.experiments.isolation.worker_process import Allowance
 from dubins_study.experiments.plan import solver_description
 from dubins_study.solvers.protocol import MAX_ARCS
 from dubins_study.solvers.registry import SolverError
-from tests.plugins.hostile_state import STATES
 from tests.faults.launch import experiment, lasting, rows, spec, study
+from tests.plugins.hostile_state import STATES
 
 TAINTING = spec("hostile_state", "Tainting")
 WITNESS = spec("hostile_state", "Witness")
