@@ -16,6 +16,7 @@ from dubins_study.solvers.registry import load
 from dubins_study.study.arrays import FloatArray
 from dubins_study.study.body_coordinates import local
 from dubins_study.study.closed_form.shortest import margin_local
+from dubins_study.study.rows.schema import SCENARIO, names
 from dubins_study.study.scenario import COLUMNS, NUMBERS, Scenario
 from dubins_study.study.words import FROZEN
 
@@ -117,6 +118,11 @@ def placed(
     c, s = math.cos(heading), math.sin(heading)
     target = x + radius * (X * c - Y * s), y + radius * (X * s + Y * c)
     return Scenario(x, y, heading, *target, radius, speed)
+
+
+def scenario_row(scenario: Scenario) -> dict[str, Any]:
+    """The columns of a row that come from the scenario."""
+    return {name: getattr(scenario, name) for name in names(SCENARIO)}
 
 
 def scenario_frame(scenarios: Iterable[Scenario]) -> pd.DataFrame:

@@ -3,7 +3,6 @@
 The whole run is killed at any moment; exactly the missing rows are added.
 """
 
-import json
 import time
 from random import Random
 
@@ -21,6 +20,7 @@ from tests.faults.launch import (
     study,
     until,
 )
+from tests.live_run import manifest
 
 MOMENTS = 4
 CELLS = 80
@@ -94,4 +94,4 @@ def parts(folder):
 
 
 def finished(folder):
-    return bool(json.loads((folder / "manifest.json").read_text())["finished"])
+    return bool(manifest(folder)["finished"])

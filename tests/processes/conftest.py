@@ -3,6 +3,7 @@
 Tests look at it or copy it.
 """
 
+import shutil
 from pathlib import Path
 
 import pytest
@@ -27,3 +28,9 @@ def original(experiment: str, tmp_path_factory: pytest.TempPathFactory) -> Path:
     No test changes it.
     """
     return run(experiment, tmp_path_factory.mktemp("original") / "out")
+
+
+@pytest.fixture
+def folder(original: Path, tmp_path: Path) -> Path:
+    """A copy of the finished run, which a test may change."""
+    return Path(shutil.copytree(original, tmp_path / "out"))

@@ -4,7 +4,6 @@ Tested is what changes it, and what does not.
 """
 
 import ast
-import json
 import shutil
 from pathlib import Path
 
@@ -16,7 +15,7 @@ from dubins_study.experiments.store.folder import read_rows
 from dubins_study.report.data.results import load
 from dubins_study.solvers.registry import load as load_solver
 from dubins_study.solvers.registry import registered
-from tests.live_run import finished, interpreted, output, quick_experiment
+from tests.live_run import finished, interpreted, manifest, output, quick_experiment
 
 PACKAGE = Path(__file__).parents[2] / "src" / "dubins_study"
 ROOMS = {PACKAGE / "solvers", PACKAGE / "study"}
@@ -249,7 +248,7 @@ def test_rows_of_earlier_code_are_solved_anew_and_never_shown(tmp_path):
     assert "2 rows of earlier code" in output(finished("status", out))
     shown = load([out])
     assert len(shown.rows) == 4
-    newest = json.loads((out / "manifest.json").read_text())["solvers"][spec]
+    newest = manifest(out)["solvers"][spec]
     assert set(shown.rows["code_digest"]) == {newest["code_digest"], code_digest("analytic")}
     assert newest["settings"]["patience"] == 2
     assert newest["cells"] == 2

@@ -26,7 +26,7 @@ from dubins_study.experiments.plan.cells import chains
 from dubins_study.experiments.plan.run_plan import RunSettings
 from dubins_study.experiments.store.folder import read_rows
 from tests import dask_here as here
-from tests.live_run import wait_for
+from tests.live_run import manifest, wait_for
 
 EXPERIMENT = """
 title = "dask"
@@ -97,7 +97,7 @@ def test_the_rows_are_those_of_a_serial_run(experiment, tmp_path, address):
     rows = read_rows(other, ["executor", "jobs"]).to_pandas()
     assert set(rows["executor"]) == {"dask"}
     assert set(rows["jobs"]) == {2}
-    entry = json.loads((other / "manifest.json").read_text())["runs"][-1]
+    entry = manifest(other)["runs"][-1]
     assert (entry["executor"], entry["jobs"], entry["workers"]) == ("dask", 2, 2)
     assert address not in (other / "manifest.json").read_text()
 
@@ -107,13 +107,13 @@ def test_probes_come_from_the_machines_that_solve(experiment, tmp_path, address)
     """Known by a number; their names are recorded nowhere."""
     solver = plugin(tmp_path, "time.sleep(0.4)")
     out = here.asked_of(address, experiment, tmp_path / "out", solvers=[solver])
-    manifest = (out / "manifest.json").read_text()
-    entry = json.loads(manifest)["runs"][-1]
+    text = (out / "manifest.json").read_text()
+    entry = json.loads(text)["runs"][-1]
 
     assert entry["probes"]
     assert {machine for _, _, machine in entry["probes"]} == {1}
     assert all(0 <= when <= entry["seconds"] and 0 < took < 1 for when, took, _ in entry["probes"])
-    assert json.dumps(socket.gethostname()) not in manifest
+    assert json.dumps(socket.gethostname()) not in text
 
 
 # the first to come by here ends the Dask worker that it works for
@@ -191,7 +191,7 @@ def test_a_work_unit_that_kills_every_worker_ends_the_run(experiment, tmp_path, 
     ):
         here.asked_of(address, experiment, out, solvers=[solver])
 
-    entry = json.loads((out / "manifest.json").read_text())["runs"][-1]
+    entry = manifest(out)["runs"][-1]
     assert entry["state"] == "interrupted"
 
 

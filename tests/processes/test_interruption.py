@@ -3,7 +3,6 @@
 The run says so.
 """
 
-import json
 import os
 import signal
 import threading
@@ -88,11 +87,11 @@ def test_a_run_interrupted_after_its_last_cell_is_finished_by_the_next(experimen
     out = tmp_path / "out"
     with pytest.raises(KeyboardInterrupt):
         run(experiment, out, progress=last)
-    assert not json.loads((out / "manifest.json").read_text())["finished"]
+    assert not manifest(out)["finished"]
 
     run(experiment, out)
 
-    assert json.loads((out / "manifest.json").read_text())["finished"]
+    assert manifest(out)["finished"]
 
 
 def interrupted(*arguments: str, after: Path):

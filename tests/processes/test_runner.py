@@ -5,7 +5,6 @@ Nothing is there twice, and what is done stays done.
 
 import json
 import math
-import shutil
 from pathlib import Path
 
 import pyarrow as pa
@@ -29,6 +28,7 @@ from dubins_study.solvers.registry import SolverError
 from dubins_study.study.rows.parts import ResultsError
 from dubins_study.study.rows.schema import ROW, names
 from dubins_study.study.words import Outcome
+from tests.live_run import manifest
 
 pytestmark = pytest.mark.smoke
 
@@ -63,11 +63,6 @@ def original(tmp_path_factory):
     return run(str(file), file.parent / "out")
 
 
-@pytest.fixture
-def folder(original, tmp_path):
-    return Path(shutil.copytree(original, tmp_path / "out"))
-
-
 def rows(folder):
     return read_rows(folder).to_pandas()
 
@@ -90,14 +85,14 @@ def test_every_cell_becomes_a_judged_row(original):
 
 def test_a_finished_run_is_one_part_and_a_second_run_changes_nothing(small, folder, monkeypatch):
     before = rows(folder)
-    manifest = (folder / "manifest.json").read_text()
+    entries = (folder / "manifest.json").read_text()
     assert len(list((folder / "parts").iterdir())) == 1
     monkeypatch.setattr(local, "solve_chains", lambda *a: pytest.fail("solved again"))
 
     run(small, folder)
 
     assert rows(folder).equals(before)
-    assert (folder / "manifest.json").read_text() == manifest
+    assert (folder / "manifest.json").read_text() == entries
 
 
 def test_rows_without_a_solve_are_interrupted_too(small):
@@ -144,7 +139,7 @@ def test_a_run_cut_short_is_completed(small, original, tmp_path, monkeypatch):
     monkeypatch.undo()
     kept = done(tmp_path / "cut")
     assert 0 < len(kept) < CELLS
-    assert not json.loads((tmp_path / "cut" / "manifest.json").read_text())["finished"]
+    assert not manifest(tmp_path / "cut")["finished"]
 
     again = rows(run(small, tmp_path / "cut"))
 
@@ -212,7 +207,7 @@ def test_the_old_word_for_the_executor_is_taken_with_a_hint(small, tmp_path):
     with pytest.warns(FutureWarning, match=r"run\(executor='dask'\)") as found:
         run(small, tmp_path / "out", solvers=["analytic"], engine="local")
     assert found[0].filename == __file__
-    [entry] = json.loads((tmp_path / "out" / "manifest.json").read_text())["runs"]
+    [entry] = manifest(tmp_path / "out")["runs"]
     assert entry["executor"] == "local"
     assert "engine" not in entry
     with (

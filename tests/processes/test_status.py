@@ -5,7 +5,6 @@ It is counted by hand, and estimated from what the folder holds.
 
 import json
 import re
-import shutil
 from dataclasses import replace
 
 import pytest
@@ -27,12 +26,6 @@ def original(tmp_path_factory):
     place = tmp_path_factory.mktemp("status")
     experiment = quick_experiment(place, CELLS, 'analytic", "slsqp", "shooting')
     return run(str(experiment), place / "out")
-
-
-@pytest.fixture
-def folder(original, tmp_path):
-    shutil.copytree(original, tmp_path / "out")
-    return tmp_path / "out"
 
 
 def rewrite(folder, edit):

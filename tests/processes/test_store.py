@@ -5,7 +5,6 @@ The sentence names the file.
 
 import json
 import shutil
-from pathlib import Path
 
 import pyarrow as pa
 import pyarrow.parquet as pq
@@ -19,11 +18,6 @@ from dubins_study.study.rows.parts import ARROW_SCHEMA, ResultsError
 from tests.live_run import CELLS, finished, output
 
 pytestmark = pytest.mark.smoke
-
-
-@pytest.fixture
-def folder(original, tmp_path):
-    return Path(shutil.copytree(original, tmp_path / "out"))
 
 
 @pytest.mark.parametrize(

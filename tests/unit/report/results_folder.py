@@ -16,10 +16,10 @@ from dubins_study.solvers.registry import SolverError, load, settings
 from dubins_study.study.closed_form.shortest import shortest_path
 from dubins_study.study.judging.judge import judge
 from dubins_study.study.path import Path
-from dubins_study.study.rows.schema import ROW, SCENARIO, VERSION, arrow_schema, names
+from dubins_study.study.rows.schema import ROW, VERSION, arrow_schema
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.words import Claim
-from tests.cases import PAPER
+from tests.cases import PAPER, scenario_row
 
 SCHEMA = arrow_schema()
 
@@ -45,7 +45,7 @@ def attempt(
         claim = Claim.INFEASIBLE
     found = judge(scenario, given, claim, branch)
     row: dict[str, Any] = {column.name: None for column in ROW}
-    row |= {name: getattr(scenario, name) for name in names(SCENARIO)}
+    row |= scenario_row(scenario)
     row |= vars(found)
     row |= {
         "scenario_id": f"{hash((scenario.target_x, scenario.target_y, scenario.radius)):x}",

@@ -24,7 +24,7 @@ from dubins_study.experiments.isolation.messages import decode_question, encode_
 from dubins_study.solvers.protocol import Question, Solver
 from dubins_study.study.angle import AngleError, parse_angle
 from dubins_study.study.rows.parts import rows_table
-from dubins_study.study.rows.schema import ROW, SCENARIO, names
+from dubins_study.study.rows.schema import ROW, names
 from dubins_study.study.scenario import (
     COLUMNS,
     NUMBERS,
@@ -42,7 +42,7 @@ from dubins_study.study.words import (
     VIA_POINTS,
     Outcome,
 )
-from tests.cases import placed
+from tests.cases import placed, scenario_row
 
 GOOD = {"x": 0, "y": 0, "heading": 0, "target_x": 1, "target_y": 2, "radius": 1}
 
@@ -450,10 +450,6 @@ def test_a_scenario_names_its_needs():
     assert CASES[3].needs == (VIA_POINTS, FREE_FINAL_HEADING)
 
 
-def row(scenario):
-    return {name: getattr(scenario, name) for name in names(SCENARIO)}
-
-
 @pytest.mark.parametrize("scenario", CASES)
 def test_a_row_is_the_scenario(scenario):
     """A row is the scenario.
@@ -461,12 +457,12 @@ def test_a_row_is_the_scenario(scenario):
     It goes by way of the Parquet table and pandas, whose lists are arrays and whose nulls are
     many.
     """
-    table = rows_table([dict.fromkeys(names(ROW)) | row(scenario)])
+    table = rows_table([dict.fromkeys(names(ROW)) | scenario_row(scenario)])
     [from_arrow] = table.to_pylist()
     [from_pandas] = table.to_pandas().to_dict("records")
 
     assert from_arrow["via_x"] == ([x for x, _ in scenario.via] or None)
-    for read in (row(scenario), from_arrow, from_pandas):
+    for read in (scenario_row(scenario), from_arrow, from_pandas):
         assert scenario_of(read) == scenario
     old = {name: from_pandas[name] for name in COLUMNS[:8]}
     assert scenario_of(old) == replace(scenario, via=(), final_heading=None)
@@ -478,7 +474,7 @@ def test_frames_and_scenarios_go_round():
     They come from columns of rows, and from what pandas makes of a list of scenarios.
     """
     expected = [PLAIN, POSE, ROUTE, replace(ROUTE, via=[(1, 2)])]
-    for frame in (pd.DataFrame([row(s) for s in expected]), pd.DataFrame(expected)):
+    for frame in (pd.DataFrame([scenario_row(s) for s in expected]), pd.DataFrame(expected)):
         checked = check_frame(frame)
         assert list(checked.columns) == list(COLUMNS)
         assert list(scenarios(checked)) == expected

@@ -17,10 +17,11 @@ from dubins_study.experiments.plan.scenarios import scenario_id
 from dubins_study.study.kinds.table import KINDS, kind_of, rows_of
 from dubins_study.study.path import Path
 from dubins_study.study.rows.parts import rows_table, start_of
-from dubins_study.study.rows.schema import ROW, SCENARIO, names
+from dubins_study.study.rows.schema import ROW, names
 from dubins_study.study.scenario import COLUMNS, Scenario, ScenarioError
 from dubins_study.study.scenario_frame import check_frame, scenario_of, scenarios, solve_command
 from dubins_study.study.words import NEEDS, Order
+from tests.cases import scenario_row
 
 VIA = [(4, 1), (6, -2)]
 TARGET = {"target_x": 10, "target_y": 5}
@@ -199,10 +200,6 @@ def test_rows_of_a_frame_that_are_refused(change, message):
         check_frame(frame)
 
 
-def row(scenario):
-    return {name: getattr(scenario, name) for name in names(SCENARIO)}
-
-
 def test_frames_go_round():
     """Frames go round.
 
@@ -213,7 +210,7 @@ def test_frames_go_round():
     listed = pd.DataFrame(expected)
     listed["heading"] = ["free" if one.heading is None else one.heading for one in expected]
 
-    for frame in (pd.DataFrame(map(row, expected)), listed):
+    for frame in (pd.DataFrame(map(scenario_row, expected)), listed):
         checked = check_frame(frame)
         assert list(checked.columns) == list(COLUMNS)
         assert list(scenarios(checked)) == expected
@@ -263,7 +260,7 @@ def drawn(rng):
 def test_each_scenario_and_its_row_are_of_one_kind():
     rng = np.random.default_rng(34)
     some = [drawn(rng) for _ in range(400)]
-    frame = check_frame(pd.DataFrame(map(row, some)))
+    frame = check_frame(pd.DataFrame(map(scenario_row, some)))
 
     assert list(scenarios(frame)) == some
     kinds = [kind_of(scenario).name for scenario in some]
@@ -291,8 +288,8 @@ def options_of(command):
 def test_a_command_states_the_question():
     """Its text; `tests/unit/cli` runs commands."""
     tour = Scenario(1, 2, "free", 9, -3, via=[(4, 1, 2), (6, -2), (7, 8, "90rad")], order="free")
-    command = solve_command(row(tour) | {"solver": "analytic"})
-    closed = solve_command(row(SCENARIOS["closed tour"]) | {"solver": "analytic"})
+    command = solve_command(scenario_row(tour) | {"solver": "analytic"})
+    closed = solve_command(scenario_row(SCENARIOS["closed tour"]) | {"solver": "analytic"})
 
     options = options_of(command)
     assert options["--from"] == [["1", "2", "free"]]
