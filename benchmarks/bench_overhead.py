@@ -106,5 +106,5 @@ def _overhead(runs: dict[tuple[str, int], list[Spent]], name: str, few: int, man
 
 def _whole(runs: dict[tuple[str, int], list[Spent]], name: str) -> str:
     whole = min(run.whole for run in runs[name, MANY])
-    own = min(run.solver for run in runs[name, MANY])
-    return f"{MANY} cells in {whole:.2f} s, {own * 1e3:.0f} ms of them the solver's"
+    solver_s = min(run.solver for run in runs[name, MANY])
+    return f"{MANY} cells in {whole:.2f} s, {solver_s * 1e3:.0f} ms of them the solver's"

@@ -158,11 +158,11 @@ def _ompl_lengths(legs: PoseArrays, out: FloatArray | None = None) -> Callable[[
     space = base.DubinsStateSpace(1.0)
 
     def state(x: float, y: float, heading: float) -> object:
-        made = space.allocState()
-        made.setX(x)
-        made.setY(y)
-        made.setYaw(heading)
-        return made
+        pose = space.allocState()
+        pose.setX(x)
+        pose.setY(y)
+        pose.setYaw(heading)
+        return pose
 
     rows = zip(*(column.tolist() for column in legs), strict=True)
     states = ((state(x, y, a), state(tx, ty, b)) for x, y, a, tx, ty, _, b in rows)

@@ -80,10 +80,10 @@ def _rows(
     what: str, points: list[FloatArray], run: partial[Route], aim: float
 ) -> Iterable[Measurement]:
     """Our search, then its peers on the same routes."""
-    found = [run(some) for some in points]
-    seconds = median(route.seconds for route in found)
-    gaps = [(route.high - route.low) / route.high for route in found]
-    closed = sum(route.closed for route in found)
+    routes = [run(some) for some in points]
+    seconds = median(route.seconds for route in routes)
+    gaps = [(route.high - route.low) / route.high for route in routes]
+    closed = sum(route.closed for route in routes)
     yield Measurement(
         what,
         ours=seconds,
@@ -91,7 +91,7 @@ def _rows(
         unit="s",
         ratio=seconds / aim,
         target=1.0,
-        note=f"median; {closed} of {len(found)} closed to {run.keywords['tolerance']:g}, "
+        note=f"median; {closed} of {len(routes)} closed to {run.keywords['tolerance']:g}, "
         f"gap {median(gaps):.0e}, at most {max(gaps):.0e}",
     )
-    yield from peer_rows(points, found, **run.keywords)
+    yield from peer_rows(points, routes, **run.keywords)

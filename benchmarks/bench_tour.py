@@ -153,17 +153,18 @@ def shorter_ways(size: Size, found: Sequence[Timed]) -> Iterator[Measurement]:
     """
     for way, (length_of, missing) in WAYS.items():
         what = f"{way}: {named(size)}"
-        tried = [timed(length_of, drawn(size, seed)) for seed in range(len(found))]
-        if any(math.isnan(each.result) for each in tried):
+        timings = [timed(length_of, drawn(size, seed)) for seed in range(len(found))]
+        if any(math.isnan(each.result) for each in timings):
             yield absent(what, missing)
             continue
         above = [
-            each.result / proof.result.high - 1.0 for each, proof in zip(tried, found, strict=True)
+            each.result / proof.result.high - 1.0
+            for each, proof in zip(timings, found, strict=True)
         ]
         yield Measurement(
             what,
             ours=median(proof.seconds for proof in found),
-            peer=median(each.seconds for each in tried),
+            peer=median(each.seconds for each in timings),
             unit="s",
             note=f"longer by {median(above):.1%} at the median, {max(above):.1%} at most",
         )

@@ -101,9 +101,9 @@ def measure_engine(engine: str, repeats: int = 5) -> EngineFigures:
                     solution = solver.solve(solver.build(Question(scenario)), 30.0)
                     spent.append(time.perf_counter() - began)
                     if turn == 0:
-                        found = judge(scenario, solution.path, solution.claim)
+                        judgement = judge(scenario, solution.path, solution.claim)
                         failures += solution.claim is not Claim.LOCAL
-                        gaps[name].append(math.inf if found.gap is None else found.gap)
+                        gaps[name].append(math.inf if judgement.gap is None else judgement.gap)
             if turn:
                 step = sum(spent) / len(reported)
                 passes.append((step, fmean(asked), fmean(reported), len(reported)))
@@ -131,17 +131,17 @@ def measure() -> Iterable[Measurement]:
     """
     for engine in names(QP):
         quick = engine in ("piqp", "clarabel")
-        found = measure_engine(engine, sized(5, 1) if quick else 1)
-        gaps = f"gap {found.outside_gap:.1e} outside, {found.disc_gap:.1e} in discs"
+        figures = measure_engine(engine, sized(5, 1) if quick else 1)
+        gaps = f"gap {figures.outside_gap:.1e} outside, {figures.disc_gap:.1e} in discs"
         # cvxpy's interfaces to the other two set the engine up anew for every QP
         yield Measurement(
             f"turn-rate-qp, n={N}, {engine}: a QP asked, beside the engine's own time",
-            ours=found.asked_ms,
-            peer=found.engine_ms,
+            ours=figures.asked_ms,
+            peer=figures.engine_ms,
             unit="ms/QP",
-            ratio=found.overhead_ms,
+            ratio=figures.overhead_ms,
             target=TARGET_MS if quick else None,
-            note=f"ours - peer, ms; {found.step_ms:.2f} ms a step of the sequence, with rollouts "
-            f"and corrections; {found.median_ms:.0f} ms a scenario; {gaps}; "
-            f"{found.failures} not local",
+            note=f"ours - peer, ms; {figures.step_ms:.2f} ms a step of the sequence, with rollouts "
+            f"and corrections; {figures.median_ms:.0f} ms a scenario; {gaps}; "
+            f"{figures.failures} not local",
         )

@@ -202,8 +202,8 @@ def nearest(step: Step, ends: csr_array, missing: FloatArray) -> tuple[FloatArra
     box = _PART * trust(step)
     bounds = [*zip(-box, box, strict=True), (0, None)]
     cost = np.append(np.zeros(box.size), 1.0)
-    found = linprog(cost, rows, np.concatenate((high, missing, -missing)), bounds=bounds)
-    return found.x[:-1], float(found.fun)
+    optimum = linprog(cost, rows, np.concatenate((high, missing, -missing)), bounds=bounds)
+    return optimum.x[:-1], float(optimum.fun)
 
 
 def trust(step: Step) -> FloatArray:
@@ -373,13 +373,13 @@ def best_drive(bare: Problem) -> Point:
     w = np.concatenate((of_roots.ravel(), (of_inverses * along[:, None]).ravel()))
     # what is left is linear in b
     rise = bare.A[:, : N + 1]
-    found = linprog(
+    optimum = linprog(
         -2 * pull,
         vstack([rise, -rise]),
         np.repeat((_FASTER, _SLOWER), N),
         bounds=np.column_stack((np.zeros(N + 1), top)),
     )
-    faster, slower = np.split(-found.ineqlin.marginals, 2)
+    faster, slower = np.split(-optimum.ineqlin.marginals, 2)
     y = faster - slower
     x = np.concatenate((b, c, inverse, rise @ b))
     return Point(x, y, bare.C.T @ w - bare.q - bare.A.T @ y, w)
@@ -427,10 +427,10 @@ def interior(bare: Problem) -> FloatArray:
         tight = replace(bare, **lower, **upper, d=bare.d - margin * heads)
         solve = prepare("clarabel", "own", tight)
         for digits in (9, 8, 7):
-            found = solve(Ask(10.0**-digits, 60.0))
-            if found.claim is Claim.OPTIMAL and found.point is not None:
-                return np.clip(found.point.x, bare.lb, bare.ub)
-    raise ProblemError(f"no interior: {found.status}")
+            result = solve(Ask(10.0**-digits, 60.0))
+            if result.claim is Claim.OPTIMAL and result.point is not None:
+                return np.clip(result.point.x, bare.lb, bare.ub)
+    raise ProblemError(f"no interior: {result.status}")
 
 
 class Frozen(NamedTuple):

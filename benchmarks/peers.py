@@ -41,11 +41,11 @@ def ompl_distances() -> Callable[[], object] | None:
     space = base.DubinsStateSpace(1.0)
 
     def state(x: float, y: float, heading: float) -> object:
-        made = space.allocState()
-        made.setX(x)
-        made.setY(y)
-        made.setYaw(heading)
-        return made
+        pose = space.allocState()
+        pose.setX(x)
+        pose.setY(y)
+        pose.setYaw(heading)
+        return pose
 
     rows = random_frame(PAIRS)[["x", "y", "heading", "target_x", "target_y"]].to_numpy().tolist()
     pairs = [(state(x, y, (h + 7) % 6.28 - 3.14), state(u, v, 0.0)) for x, y, h, u, v in rows]

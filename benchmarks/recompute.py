@@ -128,8 +128,8 @@ def belief(rows: pd.DataFrame, page: str) -> Iterator[Number]:
 
 def one(pattern: str, text: str) -> str:
     """First match of a pattern; a dash if none."""
-    found = re.search(pattern, text)
-    return found[1].strip() if found else "-"
+    match = re.search(pattern, text)
+    return match[1].strip() if match else "-"
 
 
 def suites_of(rows: pd.DataFrame) -> pd.Series[str]:
@@ -170,8 +170,8 @@ def readme(rows: pd.DataFrame, text: str) -> Iterator[Number]:
             chosen = asked[asked["solver"] == solver]
             every = {name: share_text(part) for name, part in chosen.groupby("column")}
             every |= {name: share_text(part) for name, part in chosen.groupby("suite")}
-            found = printed if printed in every.values() else " / ".join(every.values())
-            yield Number(f"README: {solver}", printed, found)
+            number = printed if printed in every.values() else " / ".join(every.values())
+            yield Number(f"README: {solver}", printed, number)
 
 
 def findings(rows: pd.DataFrame, page: str) -> Iterator[Number]:
@@ -208,8 +208,8 @@ def grids(rows: pd.DataFrame, page: str) -> Iterator[Number]:
     chosen = rows[in_time & program & eight & solved & rows["scenario_id"].isin(proved)]
     optima = chosen.drop_duplicates("scenario_id")
     printed = one(r"with 8 headings a point, ([\d.]+ %)", text_of(page, "findings"))
-    found = percent(float(optima["verdict"].eq("longer").mean())) if len(optima) else "-"
-    yield Number("optima of a grid that are longer", printed, found)
+    share = percent(float(optima["verdict"].eq("longer").mean())) if len(optima) else "-"
+    yield Number("optima of a grid that are longer", printed, share)
 
 
 def main(arguments: list[str]) -> int:

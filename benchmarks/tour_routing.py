@@ -52,10 +52,10 @@ def routed(stops: Stops) -> float:
         routing_enums_pb2.LocalSearchMetaheuristic.GUIDED_LOCAL_SEARCH
     )
     asked.time_limit.seconds = SECONDS
-    found = routing.SolveWithParameters(asked)
-    if found is None or found.ObjectiveValue() >= _NOT_VISITED:
+    solution = routing.SolveWithParameters(asked)
+    if solution is None or solution.ObjectiveValue() >= _NOT_VISITED:
         return math.inf
-    return float(found.ObjectiveValue() / UNITS)
+    return float(solution.ObjectiveValue() / UNITS)
 
 
 def grid_costs(stops: Stops) -> np.ndarray:

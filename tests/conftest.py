@@ -76,9 +76,9 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
             many[item.nodeid.partition("[")[0]].append(item)
     for alike in many.values():
         (few,) = alike[0].get_closest_marker("many").args
-        kept = {round(place * len(alike) / few) for place in range(few)}
+        places = {round(place * len(alike) / few) for place in range(few)}
         for place, item in enumerate(alike):
-            if place not in kept:
+            if place not in places:
                 item.add_marker(pytest.mark.skip(reason="one of many; run with --slow"))
 
 

@@ -143,5 +143,5 @@ def parts(folder: Path) -> list[Path]:
 
 
 def manifest(folder: Path) -> dict[str, object]:
-    found: dict[str, object] = json.loads((folder / "manifest.json").read_text())
-    return found
+    content: dict[str, object] = json.loads((folder / "manifest.json").read_text())
+    return content

@@ -30,16 +30,16 @@ def alive(mark: str) -> list[psutil.Process]:
 
     A process that only waits to be reaped is not.
     """
-    found = []
+    processes = []
     for process in psutil.process_iter():
         try:
             if process.status() == psutil.STATUS_ZOMBIE:
                 continue
             if process.environ().get(_NAME) == mark:
-                found.append(process)
+                processes.append(process)
         except psutil.Error:
             continue
-    return found
+    return processes
 
 
 def left_behind(mark: str, within: float = 30.0) -> list[str]:
@@ -48,11 +48,11 @@ def left_behind(mark: str, within: float = 30.0) -> list[str]:
     They are given a moment to go.
     """
     give_up = time.monotonic() + within
-    while found := alive(mark):
+    while processes := alive(mark):
         if time.monotonic() > give_up:
             break
         time.sleep(0.02)
-    return [f"{process.pid} of {process.ppid()}: {process.cmdline()}" for process in found]
+    return [f"{process.pid} of {process.ppid()}: {process.cmdline()}" for process in processes]
 
 
 def wait_until_handled(pid: int, number: signal.Signals, seconds: float = 60.0) -> None:
@@ -79,10 +79,10 @@ def wait_until_handled(pid: int, number: signal.Signals, seconds: float = 60.0) 
 def kill_all(mark: str) -> None:
     """SIGKILL every process of a run."""
     for _ in range(50):
-        found = alive(mark)
-        if not found:
+        processes = alive(mark)
+        if not processes:
             return
-        for process in found:
+        for process in processes:
             try:
                 process.send_signal(signal.SIGKILL)
             except psutil.Error:

@@ -166,10 +166,10 @@ def finding(name: str) -> str:
 
     It is named by the function that computes it.
     """
-    found = getattr(findings, name)(_evidence())
-    if found is None:
+    result = getattr(findings, name)(_evidence())
+    if result is None:
         raise LookupError("the rows do not carry this finding any more; drop it from the page")
-    return prose(found.sentence)
+    return prose(result.sentence)
 
 
 @cache

@@ -84,8 +84,8 @@ def main() -> int:
                 spent = perf_counter() - began
                 message = f"{done} of {len(blocks)} blocks in {spent:.0f} s, {table.wrong:,} wrong"
                 print(message, *table.first.items(), sep="\n", file=sys.stderr, flush=True)
-    told = f"{asked.cases:,} cases, {asked.routes:,} routes, seed {asked.seed}"
-    print(f"{told}, {perf_counter() - began:.0f} s\n{table}")
+    summary = f"{asked.cases:,} cases, {asked.routes:,} routes, seed {asked.seed}"
+    print(f"{summary}, {perf_counter() - began:.0f} s\n{table}")
     return 1 if table.wrong else 0
 
 

@@ -100,8 +100,8 @@ def _deviation(
     exact = truth.exact[branch]
     far = arb("inf") if exact is None else abs(value - exact)
     if not far <= 4 * unit and truth.has(end):
-        own = truth.member(end).lengths[branch]
-        far = far if own is None else least((far, abs(value - own)))
+        exact_length = truth.member(end).lengths[branch]
+        far = far if exact_length is None else least((far, abs(value - exact_length)))
     for refined in (False, True):
         if not far <= 4 * unit:
             if refined:
@@ -119,38 +119,38 @@ def enclosures(table: Table, scenario: Scenario, truth: Truth) -> dict[str, tupl
     R = scenario.radius
     sampled = {}
     for branch in BRANCHES:
-        found = enclose(scenario, branch)
+        enclosure = enclose(scenario, branch)
         line = f"enclose({paste(scenario, branch)})"
         known = (member.lengths[branch] for member in truth.members)
         values = [length * arb(R) for length in known if length is not None]
-        parts = [(arb(low), arb(high)) for low, high in found.parts]
+        parts = [(arb(low), arb(high)) for low, high in enclosure.parts]
         beyond = [v for v in values if not any(low <= v <= high for low, high in parts)]
         off = {float(v): float(outside(v, parts)) / ulp(float(v), R) for v in beyond}
         worst = max(off, key=off.__getitem__, default=0.0)
         table.note("parts hold truth", off.get(worst, 0.0), f"{line}.parts  # {worst!r}")
-        table.note("absent", _absent_wrong(truth, branch, found), f"{line}.absent")
-        undecided = bool(values) and not math.isfinite(found.high)
+        table.note("absent", _absent_wrong(truth, branch, enclosure), f"{line}.absent")
+        undecided = bool(values) and not math.isfinite(enclosure.high)
         table.note("enclosure decided", undecided, line)
         if not values:
             continue
         low, high = least(values), greatest(values)
         if not undecided and not truth.touches(branch, _SURE):
-            spread = float(high - low) + 4 * ulp(found.high, R)
-            table.note("enclosure width", (found.high - found.low) / spread, line)
+            spread = float(high - low) + 4 * ulp(enclosure.high, R)
+            table.note("enclosure width", (enclosure.high - enclosure.low) / spread, line)
         sampled[branch] = math.nextafter(float(low), math.inf), math.nextafter(float(high), 0.0)
     return sampled
 
 
-def _absent_wrong(truth: Truth, branch: str, found: Enclosure) -> bool:
+def _absent_wrong(truth: Truth, branch: str, enclosure: Enclosure) -> bool:
     """Whether `absent` contradicts the truth.
 
     It is wrong if it denies a target without a path, or claims one where all have a path.
     """
     if truth.touches(branch):
-        return truth.absent(branch) and not found.absent
+        return truth.absent(branch) and not enclosure.absent
     if truth.touches(branch, _SURE):
         return False
-    return bool(found.absent) != (truth.exact[branch] is None)
+    return bool(enclosure.absent) != (truth.exact[branch] is None)
 
 
 def bounds(table: Table, scenario: Scenario, truth: Truth) -> None:
@@ -159,15 +159,15 @@ def bounds(table: Table, scenario: Scenario, truth: Truth) -> None:
     A bound below the truth is not called false. One above the whole truth is.
     """
     path = shortest_path(scenario)
-    judged = judge(scenario, path)
+    judgement = judge(scenario, path)
     values = [each["best"] for _, each, _ in truth.members if each["best"] is not None]
     low, high = (float(end) * scenario.radius for end in (least(values), greatest(values)))
     scale = max(high, scenario.radius)
-    tried = {high - 1e-12 * scale: False}
+    cases = {high - 1e-12 * scale: False}
     if not truth.touches("best", _SURE):
-        tried[high + 4 * (high - low) + 1e-5 * scale] = True
-    for bound, is_false in tried.items():
-        wrong = certify(scenario, path, judged, lower_bound=bound).false_bound != is_false
+        cases[high + 4 * (high - low) + 1e-5 * scale] = True
+    for bound, is_false in cases.items():
+        wrong = certify(scenario, path, judgement, lower_bound=bound).false_bound != is_false
         table.note("bounds", wrong, f"solve({paste(scenario)})  # bound {bound!r}")
 
 
@@ -177,27 +177,27 @@ def answer(table: Table, asked: Answer, truth: Truth, rng: np.random.Generator) 
     Its end and its length are computed in 60 digits.
     """
     scenario, branch, path = asked
-    judged = judge(scenario, path, branch=branch)
-    certificate = certify(scenario, path, judged, branch)
-    line = f"{paste_path(scenario, branch, path)}  # {judged.verdict}, {certificate.proof}"
+    judgement = judge(scenario, path, branch=branch)
+    certificate = certify(scenario, path, judgement, branch)
+    line = f"{paste_path(scenario, branch, path)}  # {judgement.verdict}, {certificate.proof}"
     residual = certificate.pmp_residual
     cut = certificate.cut_margin
     if not drivable(path):
-        wrong = (judged.verdict, residual, cut) != (Verdict.MISSES, None, None)
+        wrong = (judgement.verdict, residual, cut) != (Verdict.MISSES, None, None)
         table.note("broken path", wrong, line)
         return
     end = end_of(scenario, path)
     length = arb(path.length) / arb(scenario.radius)
     arrives = _arrives(asked, truth, end)
-    optimal = judged.verdict is Verdict.OPTIMAL
-    found = optimal or judged.verdict is Verdict.LONGER
+    optimal = judgement.verdict is Verdict.OPTIMAL
+    accepted = optimal or judgement.verdict is Verdict.LONGER
     if arrives is not None:
-        table.note("arrival", found != arrives, line)
+        table.note("arrival", accepted != arrives, line)
     below, right, wrong = _compared(truth, branch, length)
     if wrong and optimal:
         truth.refine(rng)
         below, right, wrong = _compared(truth, branch, length)
-    if found and below:
+    if accepted and below:
         table.note("verdict", wrong if optimal else right, line)
     is_proved = certificate.proof is Proof.PROVED
     table.note("proved", is_proved and (arrives is False or wrong), line)
@@ -267,11 +267,13 @@ def _above_shortest(end: acb, length: arb) -> float:
     In units of the allowed gap. The neighbourhood of the end is as wide as the check lets a path
     miss.
     """
-    own = Truth(end, arb(2 * TOLERANCES.miss))
-    highest = own.exact["best"]
+    neighbourhood = Truth(end, arb(2 * TOLERANCES.miss))
+    highest = neighbourhood.exact["best"]
     assert highest is not None
     if length - highest > TOLERANCES.gap:
-        highest = greatest(each["best"] for _, each, _ in own.members if each["best"] is not None)
+        highest = greatest(
+            each["best"] for _, each, _ in neighbourhood.members if each["best"] is not None
+        )
     return float(length - highest) / TOLERANCES.gap
 
 
@@ -310,9 +312,9 @@ def _scan(truth: Truth) -> float:
     worst = 0.0
     for word in WORDS:
         exact = truth.exact[word]
-        found = searched[word]
+        length = searched[word]
         if exact is None:
-            worst = max(worst, 0.0 if math.isinf(found) else math.inf)
+            worst = max(worst, 0.0 if math.isinf(length) else math.inf)
         else:
-            worst = max(worst, abs(float(exact) - found) / max(1.0, float(exact)) * 1e9)
+            worst = max(worst, abs(float(exact) - length) / max(1.0, float(exact)) * 1e9)
     return worst

@@ -59,9 +59,9 @@ def judged(
     truth: tuple[float, float] | None = None,
 ) -> Judged:
     """An answer, judged and certified alone."""
-    found = judge(scenario, path, claim, branch)
-    certificate = certify(scenario, path, found, branch, lower_bound=bound)
-    return Judged(kind, scenario, branch, path, claim, bound, found, certificate, truth)
+    judgement = judge(scenario, path, claim, branch)
+    certificate = certify(scenario, path, judgement, branch, lower_bound=bound)
+    return Judged(kind, scenario, branch, path, claim, bound, judgement, certificate, truth)
 
 
 def analytic(
@@ -73,8 +73,15 @@ def analytic(
     """
     answers = []
     for branch in BRANCHES:
-        found = Analytic().solve(Question(scenario, branch), 1.0)
-        asked = table.generator, scenario, branch, found.path, found.claim, found.lower_bound
+        solution = Analytic().solve(Question(scenario, branch), 1.0)
+        asked = (
+            table.generator,
+            scenario,
+            branch,
+            solution.path,
+            solution.claim,
+            solution.lower_bound,
+        )
         one = judged(*asked, sampled.get(branch))
         wrong = one.judgement.verdict not in _RIGHT
         wrong |= one.judgement.false_claim or one.certificate.false_bound
@@ -132,37 +139,43 @@ def checks_of_frames(table: Table, answers: Sequence[Judged]) -> None:
 def _same(table: Table, rows: FrameJudgement, row: int, one: Judged) -> None:
     """Compare one row of a frame with scalar checks."""
     scenario = one.scenario
-    found = one.judgement
+    judgement = one.judgement
     line = paste(scenario, one.branch)
     if one.path is not None:
         line = paste_path(scenario, one.branch, one.path)
     word = int(rows.word[row])
     pairs = {
-        "verdict": (VERDICTS[rows.verdict[row]], found.verdict),
-        "region": (REGIONS[rows.region[row]], found.region),
-        "word": (None if word == NO_WORD else LEG_WORDS[word], found.word),
-        "false_claim": (bool(rows.false_claim[row]), found.false_claim),
-        "wrong_basin": (bool(rows.wrong_basin[row]), found.wrong_basin),
+        "verdict": (VERDICTS[rows.verdict[row]], judgement.verdict),
+        "region": (REGIONS[rows.region[row]], judgement.region),
+        "word": (None if word == NO_WORD else LEG_WORDS[word], judgement.word),
+        "false_claim": (bool(rows.false_claim[row]), judgement.false_claim),
+        "wrong_basin": (bool(rows.wrong_basin[row]), judgement.wrong_basin),
     }
     differ = [f"{name}: frame {a}, scalar {b}" for name, (a, b) in pairs.items() if a != b]
     table.note("frame judgement", bool(differ), f"{line}  # {', '.join(differ)}")
     # numbers are compared in units of what is added up: coordinates, radius and length
-    size = scenario.extent + scenario.radius + (found.length or 0.0)
+    size = scenario.extent + scenario.radius + (judgement.length or 0.0)
     units = {"length": size, "miss": size, "travel_time": size / scenario.speed}
     units |= {
         "margin": size / scenario.radius,
-        "curvature_excess": 1 + (found.curvature_excess or 0),
+        "curvature_excess": 1 + (judgement.curvature_excess or 0),
     }
-    pairs = {name: (getattr(rows, name)[row], getattr(found, name), units[name]) for name in units}
+    pairs = {
+        name: (getattr(rows, name)[row], getattr(judgement, name), units[name]) for name in units
+    }
     table.note("frame numbers", 1e14 * _apart(pairs), f"{line}  # {pairs}")
-    if found.gap is not None and found.reference is not None and found.length is not None:
+    if (
+        judgement.gap is not None
+        and judgement.reference is not None
+        and judgement.length is not None
+    ):
         # an ulp of the reference counts for as much as the answer is longer
-        reference = max(found.reference, scenario.radius)
-        scale = reference / ulp(found.length, scenario.radius)
-        scale /= max(1.0, found.length / reference)
+        reference = max(judgement.reference, scenario.radius)
+        scale = reference / ulp(judgement.length, scenario.radius)
+        scale /= max(1.0, judgement.length / reference)
         gap = float(rows.gap[row])
-        apart = math.inf if math.isnan(gap) else abs(gap - found.gap) * scale
-        table.note("frame gap", apart, f"{line}  # gap {gap} {found.gap}")
+        apart = math.inf if math.isnan(gap) else abs(gap - judgement.gap) * scale
+        table.note("frame gap", apart, f"{line}  # gap {gap} {judgement.gap}")
 
 
 def _apart(pairs: dict[str, tuple[float, float | None, float]]) -> float:

@@ -72,7 +72,7 @@ def leg_length(x: float, y: float, a: float, b: float, gap: float) -> float:
 
 
 @numba.njit(cache=True)
-def _arrivals(x: float, y: float, a: float, found: Array) -> int:
+def _arrivals(x: float, y: float, a: float, headings: Array) -> int:
     """Headings of arrival at (x, y) with fewer arcs.
 
     The last arc is missing, or the last but one.
@@ -83,14 +83,14 @@ def _arrivals(x: float, y: float, a: float, found: Array) -> int:
         apart = math.hypot(dx, dy)
         way = math.atan2(dy, dx)
         if apart >= 1.0:
-            found[n] = way + s * math.atan2(1.0, math.sqrt((apart - 1.0) * (apart + 1.0)))
+            headings[n] = way + s * math.atan2(1.0, math.sqrt((apart - 1.0) * (apart + 1.0)))
             n += 1
         if 1.0 <= apart <= 3.0:
             off = math.acos(min(1.0, (apart * apart + 3.0) / (4.0 * apart)))
             for side in (off, -off):
                 u = dx - 2.0 * math.cos(way + side)
                 v = dy - 2.0 * math.sin(way + side)
-                found[n] = math.atan2(v, u) - s * math.pi / 2
+                headings[n] = math.atan2(v, u) - s * math.pi / 2
                 n += 1
     return n
 
@@ -128,24 +128,24 @@ def downhill(
     """
     n = len(headings)
     best = route_length(legs, headings)
-    tried = headings.copy()
-    found = np.empty(6)
+    trial = headings.copy()
+    arrivals = np.empty(6)
     step, least = steps
     for _ in range(_ROUNDS):
         before = best
         for move in range(4 * n):
-            tried[:] = headings
+            trial[:] = headings
             i = move % n
             if move < 2 * n:
-                tried[i] += step if move < n else -step
+                trial[i] += step if move < n else -step
             else:
                 for j in range(n):
-                    tried[j] += step * rng.uniform(-1.0, 1.0)
-            tried[:] = np.where(free, tried, headings)
-            length = route_length(legs, tried)
+                    trial[j] += step * rng.uniform(-1.0, 1.0)
+            trial[:] = np.where(free, trial, headings)
+            length = route_length(legs, trial)
             if length < best:
                 best = length
-                headings[:] = tried
+                headings[:] = trial
                 continue
             way = 1 if rng.random() < 0.5 else -1  # a neighbour follows, forwards or backwards
             j = i + way
@@ -154,12 +154,12 @@ def downhill(
             leg = min(i, j)
             back = 0.0 if way == 1 else math.pi
             x, y = way * legs[leg, 0], way * legs[leg, 1]
-            for k in range(_arrivals(x, y, tried[i] + back, found)):
-                tried[j] = found[k] + back
-                length = route_length(legs, tried)
+            for k in range(_arrivals(x, y, trial[i] + back, arrivals)):
+                trial[j] = arrivals[k] + back
+                length = route_length(legs, trial)
                 if length < best:
                     best = length
-                    headings[:] = tried
+                    headings[:] = trial
         if best >= before * (1.0 - 1e-15):
             step *= 0.4
             if step < least:

@@ -134,15 +134,15 @@ def paths(target: acb, word: str, driven: bool = False) -> list[Pieces]:
     If `driven`, each is driven to its end.
     """
     find, mirror = _FIND[word]
-    found: list[Pieces] = []
+    results: list[Pieces] = []
     for pieces in find(target.conjugate() if mirror else target):
         pieces = [(-k, s) if mirror else (k, s) for k, s in pieces]
         if driven:
             off = drive(pieces)[0] - target
             if not abs(off).abs_upper() <= abs(target).mid() * arb(10) ** (5 - DIGITS):
                 raise OracleError(f"the {word} path ends {off} from its target {target}")
-        found.append(pieces)
-    return found
+        results.append(pieces)
+    return results
 
 
 def lengths(target: acb, driven: bool = False) -> dict[str, arb | None]:

@@ -257,9 +257,9 @@ def attack(table: Table, seed: int, number: int) -> float:
     """
     table.generator, asked = drawn(number, seed)
     low = proven(asked, number).low
-    found = attacked(asked, np.random.default_rng((seed, number, 1)))
-    table.note("route beaten", (low - found) / low / tolerated(asked), f"drawn({number}, {seed})")
-    return found
+    length = attacked(asked, np.random.default_rng((seed, number, 1)))
+    table.note("route beaten", (low - length) / low / tolerated(asked), f"drawn({number}, {seed})")
+    return length
 
 
 def run(seed: int, low: int, high: int) -> Table:

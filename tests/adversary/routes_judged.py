@@ -95,9 +95,9 @@ def off_points(scenario: Scenario, path: Path) -> float:
             one, other = left + (right - left) / 3, right - (right - left) / 3
             nearer = _away(path, one, x, y) <= _away(path, other, x, y)
             left, right = np.where(nearer, left, one), np.where(nearer, other, right)
-        found = _away(path, left, x, y) / (ARRIVES * radius)
-        place = int(np.argmax(found <= 1.0)) if (found <= 1.0).any() else int(found.argmin())
-        worst = max(worst, float(found[place]))
+        misses = _away(path, left, x, y) / (ARRIVES * radius)
+        place = int(np.argmax(misses <= 1.0)) if (misses <= 1.0).any() else int(misses.argmin())
+        worst = max(worst, float(misses[place]))
         at = max(at, float(left[place]))
     end = path.end
     miss = math.hypot(end.x - scenario.target_x, end.y - scenario.target_y)
@@ -156,8 +156,8 @@ def answers(
     if len(via) > 1:
         yield Answer("wrong order", replace(scenario, via=scenario.via[::-1]), path)
     fewer = replace(scenario, via=scenario.via[:place] + scenario.via[place + 1 :])
-    if (found := Analytic().solve(Question(fewer), TOLERANCES.search_s).path) is not None:
-        yield Answer("skipped point", scenario, found, *known)
+    if (shortcut := Analytic().solve(Question(fewer), TOLERANCES.search_s).path) is not None:
+        yield Answer("skipped point", scenario, shortcut, *known)
 
 
 def own_points(rng: Rng) -> Answer:
@@ -187,21 +187,21 @@ def attacked(table: Table, seed: int, number: int) -> None:
     low = solution.lower_bound
     assert path is not None
     assert low is not None
-    judged = judge(scenario, path, solution.claim, tolerances=TOLERANCES)
-    certificate = certify(scenario, path, judged, lower_bound=low, tolerances=TOLERANCES)
+    judgement = judge(scenario, path, solution.claim, tolerances=TOLERANCES)
+    certificate = certify(scenario, path, judgement, lower_bound=low, tolerances=TOLERANCES)
     allowed = [Verdict.OPTIMAL]
     if solution.claim is not Claim.OPTIMAL:
         allowed += Verdict.UNDECIDED, Verdict.LONGER
-    wrong = judged.verdict not in allowed or judged.false_claim or certificate.false_bound
+    wrong = judgement.verdict not in allowed or judgement.false_claim or certificate.false_bound
     table.note("route claim", wrong, f"solve({paste(scenario)})")
     known = (low, path.length)
     if not scenario.via:
         known = _leg(table, scenario, path.length, rng)
     try:
-        tried = [*answers(rng, scenario, path, known), own_points(rng)]
+        cases = [*answers(rng, scenario, path, known), own_points(rng)]
     except ScenarioError:  # two points have become one
         return
-    for answer in tried:
+    for answer in cases:
         _judged(table, answer)
 
 
@@ -216,29 +216,31 @@ def _leg(table: Table, scenario: Scenario, length: float, rng: Rng) -> tuple[flo
     leg = (s.target_x - s.x) / radius, (s.target_y - s.y) / radius, s.heading, s.final_heading
     room = 1e-13 * (1.0 + s.extent / radius)
     moved = np.vstack([np.zeros(4), rng.uniform(-room, room, (16, 4))]) + leg
-    own = [leg_length(*each, gap) for each in moved for gap in (0.0, _HIDDEN)]
-    apart = min(abs(length / radius - each) / (1.0 + each) for each in own)
-    table.note("leg length", apart * 1e9, f"solve({paste(s)})  # {min(own)} {max(own)}")
-    return min(own) * radius, max(own) * radius
+    leg_lengths = [leg_length(*each, gap) for each in moved for gap in (0.0, _HIDDEN)]
+    apart = min(abs(length / radius - each) / (1.0 + each) for each in leg_lengths)
+    table.note(
+        "leg length", apart * 1e9, f"solve({paste(s)})  # {min(leg_lengths)} {max(leg_lengths)}"
+    )
+    return min(leg_lengths) * radius, max(leg_lengths) * radius
 
 
 def _judged(table: Table, answer: Answer) -> None:
     table.generator, scenario, path, least, most = answer
-    judged = judge(scenario, path, Claim.OPTIMAL, tolerances=TOLERANCES)
-    line = f"{paste_path(scenario, 'best', path)}  # {judged.verdict}"
+    judgement = judge(scenario, path, Claim.OPTIMAL, tolerances=TOLERANCES)
+    line = f"{paste_path(scenario, 'best', path)}  # {judgement.verdict}"
     off = off_points(scenario, path)
     if abs(off - 1.0) > 1e-3:
-        table.note("route arrival", (off > 1.0) != (judged.verdict is Verdict.MISSES), line)
-    if judged.verdict is Verdict.MISSES:
+        table.note("route arrival", (off > 1.0) != (judgement.verdict is Verdict.MISSES), line)
+    if judgement.verdict is Verdict.MISSES:
         return
     interval = reference_of(scenario, tolerances=TOLERANCES).enclosure
     low = interval.low
     scale = max(interval.low, scenario.radius)
-    certificate = certify(scenario, path, judged, lower_bound=low, tolerances=TOLERANCES)
+    certificate = certify(scenario, path, judgement, lower_bound=low, tolerances=TOLERANCES)
     length = path.length
-    wrong = judged.verdict is Verdict.OPTIMAL and length - most > 1.01 * TOLERANCES.gap * scale
-    wrong |= judged.verdict is Verdict.LONGER and length - least <= 0.99 * TOLERANCES.gap * scale
-    wrong |= judged.false_claim != (judged.verdict is Verdict.LONGER)
+    wrong = judgement.verdict is Verdict.OPTIMAL and length - most > 1.01 * TOLERANCES.gap * scale
+    wrong |= judgement.verdict is Verdict.LONGER and length - least <= 0.99 * TOLERANCES.gap * scale
+    wrong |= judgement.false_claim != (judgement.verdict is Verdict.LONGER)
     table.note("route verdict", wrong, line)
     # what misses its points by more than rounding may be shorter by a turn that begins there
     if off < 1e-7:

@@ -77,10 +77,10 @@ def by_all_orders(scenario: Scenario, length: float) -> Shortest:
     best = math.inf
     order = ()
     start = np.array([scenario.x, scenario.y])
-    for tried in permutations(range(len(scenario.via))):
-        stops = [scenario.stops[i] for i in tried] + list(scenario.stops[len(tried) :])
+    for permutation in permutations(range(len(scenario.via))):
+        stops = [scenario.stops[i] for i in permutation] + list(scenario.stops[len(permutation) :])
         places = np.array([stop[:2] for stop in stops])
-        found = search(
+        route = search(
             np.vstack([np.zeros(2), (places - start) / scenario.radius]),
             scenario.heading,
             stops[-1].heading,
@@ -90,10 +90,10 @@ def by_all_orders(scenario: Scenario, length: float) -> Shortest:
             tolerance=CLOSE,
             cutoff=min(best, length / scenario.radius) * (1.0 + CLOSE),
         )
-        low = min(low, found.low)
-        if found.length < best:
-            best = found.length
-            order = tried
+        low = min(low, route.low)
+        if route.length < best:
+            best = route.length
+            order = permutation
     return Shortest(low * scenario.radius, best * scenario.radius, order)
 
 
@@ -136,8 +136,8 @@ def by_grid(scenario: Scenario, size: int) -> float:
         ends = [Pose(*scenario.stops[-1][:2], scenario.final_heading)]
 
     def lengths(some: list[Pose], others: list[Pose]) -> FloatArray:
-        found = [shortest_to_pose(one, other, scenario.radius) for one in some for other in others]
-        return np.array([leg.total for leg in found if leg]).reshape(len(some), len(others))
+        legs = [shortest_to_pose(one, other, scenario.radius) for one in some for other in others]
+        return np.array([leg.total for leg in legs if leg]).reshape(len(some), len(others))
 
     between = {(i, j): lengths(poses[i], poses[j]) for i in range(n) for j in range(n) if i != j}
     costs = {(1 << i, i): lengths([scenario.start], poses[i])[0] for i in range(n)}

@@ -58,8 +58,8 @@ def clean(tmp_path_factory: pytest.TempPathFactory) -> pd.DataFrame:
     asking = experiment(folder, ([HONEST], 1), ([HONEST], ASKED))
     ended = study("run", asking, "--out", folder / "out")
     assert ended.code == 0, ended.err
-    found = rows(folder / "out")
-    return found[found["label"] == "block 1"]
+    answers = rows(folder / "out")
+    return answers[answers["label"] == "block 1"]
 
 
 # tables of hostile plug-ins: questions to each, limit (s)

@@ -114,12 +114,12 @@ def until(condition: Callable[[], Any], run: Started | None = None) -> Any:
     Returns the condition's value.
     """
     give_up = time.monotonic() + PATIENCE
-    while not (found := condition()):
+    while not (value := condition()):
         if run is not None and run.process.poll() is not None:
             raise AssertionError(f"the run ended early:\n{run.said(1)}")
         assert time.monotonic() < give_up
         time.sleep(0.02)
-    return found
+    return value
 
 
 def spec(file: str, name: str, **settings: object) -> str:
@@ -152,17 +152,17 @@ def experiment(folder: Path, *blocks: tuple[list[str], int], name: str = "faults
 
 def rows(folder: Path) -> pd.DataFrame:
     """All rows of a folder with the plug-in's class."""
-    found = read_rows(folder).to_pandas()
-    found["plugin"] = found["solver"].str.extract(r":(\w+)", expand=False)
-    return found
+    table = read_rows(folder).to_pandas()
+    table["plugin"] = table["solver"].str.extract(r":(\w+)", expand=False)
+    return table
 
 
-def lasting(found: pd.DataFrame) -> pd.DataFrame:
+def lasting(table: pd.DataFrame) -> pd.DataFrame:
     """Columns in which two runs must agree.
 
     Rows are sorted by the key.
     """
-    kept = found.drop(columns=MEASURED, errors="ignore")
+    columns = table.drop(columns=MEASURED, errors="ignore")
     for column in ("curvatures", "lengths"):
-        kept[column] = kept[column].map(lambda v: None if v is None else tuple(v))
-    return kept.sort_values(names(KEY), ignore_index=True)
+        columns[column] = columns[column].map(lambda v: None if v is None else tuple(v))
+    return columns.sort_values(names(KEY), ignore_index=True)

@@ -46,10 +46,10 @@ def song(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
     patch = pytest.MonkeyPatch()
     patch.setenv("PATH", str(cage), prepend=":")
     patch.chdir(cage)
-    held = sorted(cage.iterdir())
+    contents = sorted(cage.iterdir())
     yield left
     patch.undo()
-    assert sorted(cage.iterdir()) == held
+    assert sorted(cage.iterdir()) == contents
 
 
 class SmallRun(NamedTuple):

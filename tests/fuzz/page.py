@@ -53,12 +53,12 @@ class _Page(HTMLParser):
     def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
         if tag not in _ELEMENTS:
             self.odd.append(f"<{tag}>")
-        for name, said in attrs:
-            value = said or ""
-            told = name in _VALUES and not re.fullmatch(_VALUES[name], value)
+        for name, text in attrs:
+            value = text or ""
+            strange = name in _VALUES and not re.fullmatch(_VALUES[name], value)
             marked = MARK in value and name not in _TEXTS and name not in _VALUES
-            if name not in _ATTRIBUTES or told or marked:
-                self.odd.append(f"<{tag} {name}={said!r}>")
+            if name not in _ATTRIBUTES or strange or marked:
+                self.odd.append(f"<{tag} {name}={text!r}>")
         self._in_script = (dict(attrs).get("type") or "program") if tag == "script" else ""
 
     def handle_endtag(self, tag: str) -> None:

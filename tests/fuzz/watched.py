@@ -55,7 +55,7 @@ def command(*arguments: str) -> Said:
     """
     from dubins_study.cli.app import main
 
-    kept = (sys.argv, sys.stdout, sys.stderr)
+    original = (sys.argv, sys.stdout, sys.stderr)
     streams = (io.BytesIO(), io.BytesIO())
     sys.argv = ["dubins-study", *arguments]
     errors = ("strict", "backslashreplace")
@@ -70,7 +70,7 @@ def command(*arguments: str) -> Said:
     except SystemExit as end:
         code = end.code
     finally:
-        sys.argv, sys.stdout, sys.stderr = kept
+        sys.argv, sys.stdout, sys.stderr = original
     out, err = (stream.getvalue().decode("utf-8") for stream in streams)
     return Said(0 if code is None else code, out, err)
 

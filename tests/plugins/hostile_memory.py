@@ -29,9 +29,9 @@ class Creeping(Greedy):
     """1 GiB a second, every page touched."""
 
     def take(self):
-        kept = []
+        memory = []
         for _ in range(5 * 16):
-            kept.append(np.ones(GIB // 16, np.uint8))
+            memory.append(np.ones(GIB // 16, np.uint8))
             time.sleep(1 / 16)
         os._exit(9)
 
@@ -40,8 +40,8 @@ class Sudden(Greedy):
     """All at once, in one call of C."""
 
     def take(self):
-        kept = np.ones(5 * GIB, np.uint8)
-        os._exit(int(kept[0]) + 8)
+        memory = np.ones(5 * GIB, np.uint8)
+        os._exit(int(memory[0]) + 8)
 
 
 class InChildren(Greedy):
@@ -56,9 +56,9 @@ class InChildren(Greedy):
             child = os.fork()
             if child == 0:
                 os.setsid()
-                kept = np.ones(GIB, np.uint8)
+                memory = np.ones(GIB, np.uint8)
                 time.sleep(60)
-                os._exit(int(kept[0]))
+                os._exit(int(memory[0]))
             children.append(child)
         for child in children:
             os.waitpid(child, 0)

@@ -120,8 +120,8 @@ class Witness(Analytic):
 
     def solve(self, model, limit):
         solution = super().solve(model, limit)
-        found = [name for name, (_, changed) in STATES.items() if changed()]
-        return replace(solution, message=" ".join(found))
+        changes = [name for name, (_, changed) in STATES.items() if changed()]
+        return replace(solution, message=" ".join(changes))
 
 
 class HangsAtExit(Analytic):

@@ -43,10 +43,10 @@ def attempt(
     given = shortest_path(scenario, branch) if isinstance(path, str) else path
     if given is None and claim is Claim.OPTIMAL:
         claim = Claim.INFEASIBLE
-    found = judge(scenario, given, claim, branch)
+    judgement = judge(scenario, given, claim, branch)
     row: dict[str, Any] = {column.name: None for column in ROW}
     row |= scenario_row(scenario)
-    row |= vars(found)
+    row |= vars(judgement)
     row |= {
         "scenario_id": f"{hash((scenario.target_x, scenario.target_y, scenario.radius)):x}",
         "solver": solver,
@@ -183,11 +183,11 @@ def attempts_of(
     whole = whole.astype(object).where(whole.notna(), None).assign(repeat=rows.index)
     number = pd.Series(0 if parts is None else parts, index=whole.index)
     folders = []
-    for name, own in whole.groupby("experiment", sort=False):
-        records = own.drop(columns="experiment").to_dict("records")
+    for name, experiment_rows in whole.groupby("experiment", sort=False):
+        records = experiment_rows.drop(columns="experiment").to_dict("records")
         folder = write_folder(place / str(name), str(name), records)
         (folder / "parts" / "1.parquet").unlink()
-        for part, group in own.groupby(number):
+        for part, group in experiment_rows.groupby(number):
             table = pa.Table.from_pylist(group.to_dict("records"), schema=SCHEMA)
             pq.write_table(table, folder / "parts" / f"{part}.parquet")
         folders.append(folder)

@@ -51,9 +51,9 @@ class TwoArcs(Solver):
         words = WORDS if question.branch == "best" else (question.branch,)
         best = None
         claim = Claim.LOCAL
-        tried = 0
+        trials = 0
         for path in (path for word in words for path in self.paths(question.scenario, word)):
-            tried += 1
+            trials += 1
             if path is not None and (best is None or path.length < best.length):
                 best = path
             if perf_counter() > end:
@@ -61,8 +61,8 @@ class TwoArcs(Solver):
                 break
         if best is None:
             claim = Claim.LIMIT if claim is Claim.LIMIT else Claim.FAILED
-            return Solution(claim, message=f"no root from {tried} guesses", evaluations=tried)
-        return Solution(claim, best, claimed_length=best.length, evaluations=tried)
+            return Solution(claim, message=f"no root from {trials} guesses", evaluations=trials)
+        return Solution(claim, best, claimed_length=best.length, evaluations=trials)
 
     def paths(self, scenario: Scenario, word: str) -> Iterator[Path | None]:
         """For each guess the path of a word that arrives, or None."""
