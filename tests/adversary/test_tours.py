@@ -39,14 +39,14 @@ def checked_by_all_orders(seed: int, points: int) -> None:
     rng = np.random.default_rng((34, seed))
     scenario = drawn(rng, KINDS[seed % len(KINDS)], points, DENSE[seed % 3] * math.sqrt(points))
 
-    found = tour_of(scenario)
-    best = by_all_orders(scenario, found.high)
+    tour = tour_of(scenario)
+    best = by_all_orders(scenario, tour.high)
 
     room = 1e-12 * best.high
-    assert found.low <= best.high + room, scenario
-    assert found.high >= best.low - room, scenario
-    assert found.high <= best.high * (1.0 + 2.0 * CLOSE) + room, scenario
-    assert found.path.length <= found.high + room
+    assert tour.low <= best.high + room, scenario
+    assert tour.high >= best.low - room, scenario
+    assert tour.high <= best.high * (1.0 + 2.0 * CLOSE) + room, scenario
+    assert tour.path.length <= tour.high + room
 
 
 @pytest.mark.smoke
@@ -116,14 +116,14 @@ def test_a_point_on_the_best_tour_leaves_the_length(kind: str) -> None:
     """With the heading there or without it."""
     rng = np.random.default_rng((KINDS.index(kind), 4))
     scenario = drawn(rng, kind, 5, 14.0)
-    found = tour_of(scenario)
-    x, y, heading = found.path.at(rng.uniform(0.2, 0.8) * found.path.length)[0].tolist()
+    tour = tour_of(scenario)
+    x, y, heading = tour.path.at(rng.uniform(0.2, 0.8) * tour.path.length)[0].tolist()
 
     for point in ((x, y), (x, y, heading)):
         more = tour_of(replace(scenario, via=[*scenario.via, point]))
-        assert more.low <= found.high * (1.0 + 1e-9)
-        assert more.high >= found.low * (1.0 - 1e-9)
-        assert more.high <= found.high * (1.0 + 1e-7)
+        assert more.low <= tour.high * (1.0 + 1e-9)
+        assert more.high >= tour.low * (1.0 - 1e-9)
+        assert more.high <= tour.high * (1.0 + 1e-7)
 
 
 @pytest.mark.smoke
@@ -149,11 +149,11 @@ def test_no_random_tour_is_shorter_than_the_lower_end(seed: int) -> None:
     rng = np.random.default_rng((34, seed, 6))
     kind = KINDS[seed % len(KINDS)]
     scenario = drawn(rng, kind, 7, (4.0, 8.0)[seed % 2] * math.sqrt(7))
-    found = tour_of(scenario)
+    tour = tour_of(scenario)
 
     for _ in range(75):
-        assert any_tour(scenario, rng) >= found.low
-    poses = found.path.at(np.array([0.0, *found.at, found.path.length]))
+        assert any_tour(scenario, rng) >= tour.low
+    poses = tour.path.at(np.array([0.0, *tour.at, tour.path.length]))
     headings = poses[:, 2]
     places = poses[1 : len(scenario.via) + 1, :2]
     points = np.array([stop[:2] for stop in scenario.stops[: len(scenario.via)]])
@@ -167,7 +167,7 @@ def test_no_random_tour_is_shorter_than_the_lower_end(seed: int) -> None:
         ]
         if scenario.closed:
             moved[-1] = moved[0]
-        assert length_through(scenario, order.tolist(), moved) >= found.low
+        assert length_through(scenario, order.tolist(), moved) >= tour.low
 
 
 # comrob/gdip, python/problems/gdip-n10.txt at f32ca16; radius 1
@@ -211,13 +211,13 @@ def test_ten_published_points_beside_a_grid_of_headings() -> None:
     """
     (x, y), *via, (target_x, target_y) = GDIP
     scenario = Scenario(x, y, 0.0, target_x, target_y, via=via, order="free")
-    found = tour_of(scenario)
+    tour = tour_of(scenario)
     grid = by_grid(scenario, 24)
 
-    assert found.high - found.low <= 1e-8 * found.high
-    assert found.low <= grid <= 1.05 * found.high
+    assert tour.high - tour.low <= 1e-8 * tour.high
+    assert tour.low <= grid <= 1.05 * tour.high
     in_order = replace(scenario, order="given")
-    assert found.high < tour_of(in_order).low
+    assert tour.high < tour_of(in_order).low
 
 
 @pytest.mark.smoke
@@ -229,9 +229,9 @@ def test_published_bounds_of_discs_are_below_the_tours_of_their_centres(bound: f
     """
     (x, y), *via = BEHDANI[bound]
     for heading in (0.0, 2.0, -2.0):
-        found = tour_of(Scenario(x, y, heading, via=via, order="free", closed=True))
-        assert found.high >= bound
-        assert found.low <= found.high <= 1.3 * bound
+        tour = tour_of(Scenario(x, y, heading, via=via, order="free", closed=True))
+        assert tour.high >= bound
+        assert tour.low <= tour.high <= 1.3 * bound
 
 
 @pytest.mark.slow
@@ -244,8 +244,8 @@ def test_published_routes_with_their_order_free(example: int) -> None:
     """
     curvature, via, start, end, first, last, printed = KAYA[example]
     scenario = Scenario(*start, first, *end, 1 / curvature, via=via, final_heading=last)
-    found = tour_of(replace(scenario, order="free"))
+    tour = tour_of(replace(scenario, order="free"))
 
-    assert found.low <= min(printed, tour_of(scenario).high)
-    assert found.low <= found.high <= tour_of(scenario).high * (1.0 + 1e-9)
-    assert found.low <= by_grid(scenario, 12)
+    assert tour.low <= min(printed, tour_of(scenario).high)
+    assert tour.low <= tour.high <= tour_of(scenario).high * (1.0 + 1e-9)
+    assert tour.low <= by_grid(scenario, 12)

@@ -69,11 +69,11 @@ def test_killed_at_random_moments(asking, tmp_path):
                 kill_all(run.mark)
         if not (folders[-1] / "manifest.json").exists():
             continue  # so early that there is no folder yet
-        found = done(folders[-1])
-        assert kept <= found  # what was written stays
-        assert len(rows(folders[-1])) == len(found)
-        kept = found
-        if len(found) == CELLS and finished(folders[-1]):
+        cells = done(folders[-1])
+        assert kept <= cells  # what was written stays
+        assert len(rows(folders[-1])) == len(cells)
+        kept = cells
+        if len(cells) == CELLS and finished(folders[-1]):
             folders.append(tmp_path / f"cut {len(folders)}")
             kept = set()
 

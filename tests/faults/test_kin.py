@@ -86,11 +86,11 @@ def test_an_idle_worker_killed_from_outside_costs_no_row(tmp_path):
         ended = run.wait()
 
     assert ended.code == 0, ended.err
-    found = rows(tmp_path / "out")
-    assert len(found) == 20
-    assert not found.duplicated(["solver", "target_x", "label"]).any()
-    assert set(found["outcome"]) <= {"returned", "crashed"}
-    assert set(found[found["outcome"] == "returned"]["verdict"]) == {"optimal"}
+    table = rows(tmp_path / "out")
+    assert len(table) == 20
+    assert not table.duplicated(["solver", "target_x", "label"]).any()
+    assert set(table["outcome"]) <= {"returned", "crashed"}
+    assert set(table[table["outcome"] == "returned"]["verdict"]) == {"optimal"}
     assert ended.alive == []
 
 

@@ -50,11 +50,11 @@ def of(run, name):
 
 @pytest.mark.parametrize(("shared", "name"), EACH, indirect=["shared"])
 def test_each_has_its_rows(shared, name):
-    found = of(shared, name)
+    case_rows = of(shared, name)
 
-    assert len(found) == shared.asked
-    check(found, shared.table[name])
-    late = found[found["outcome"] == "timeout"]
+    assert len(case_rows) == shared.asked
+    check(case_rows, shared.table[name])
+    late = case_rows[case_rows["outcome"] == "timeout"]
     # generous: how late exactly is for the benchmarks
     assert late["wall_s"].between(shared.limit, shared.limit + 5).all()
 

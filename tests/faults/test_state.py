@@ -159,12 +159,12 @@ def refused(folder, file, clean):
         assert not (folder / "out").exists()
         return
     assert ended.code == 0, (ended.code, ended.err)
-    found = rows(folder / "out")
-    assert len(found) == 9
-    assert set(found[found["plugin"] == "Plugin"]["outcome"]) <= {
+    table = rows(folder / "out")
+    assert len(table) == 9
+    assert set(table[table["plugin"] == "Plugin"]["outcome"]) <= {
         *("unavailable", "crashed", "raised", "timeout", "returned")
     }
-    assert lasting(found[found["plugin"] == "Honest"]).equals(lasting(clean))
+    assert lasting(table[table["plugin"] == "Honest"]).equals(lasting(clean))
 
 
 def test_a_plugin_that_never_ends_to_load_is_refused(tmp_path, monkeypatch):

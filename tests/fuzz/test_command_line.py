@@ -164,19 +164,19 @@ _GROUPS = ([], ["new"])
 def test_a_request_is_answered_or_refused(words, place, song):
     outer = sorted(place.parent.iterdir())
     with temporary_files_in(place):
-        said = command(*words)
-    assert said.code in (0, 1, 2)
-    assert "Traceback" not in said.out + said.err
-    if said.code == 2:
+        result = command(*words)
+    assert result.code in (0, 1, 2)
+    assert "Traceback" not in result.out + result.err
+    if result.code == 2:
         # an answer is kept if its drawing fails
-        assert not said.out or any(word.startswith("--plot") for word in words)
+        assert not result.out or any(word.startswith("--plot") for word in words)
         if words not in _GROUPS:
-            assert re.fullmatch(r"dubins-study: [^\n]+\n(  [^\n]+\n)*", said.err)
-            assert not raw_controls(said.err)
+            assert re.fullmatch(r"dubins-study: [^\n]+\n(  [^\n]+\n)*", result.err)
+            assert not raw_controls(result.err)
     else:
-        assert said.out or any(word.startswith("--out") for word in words)
-        assert not raw_controls(said.out)
+        assert result.out or any(word.startswith("--out") for word in words)
+        assert not raw_controls(result.out)
         if "--json" in words and "--help" not in words:
-            check_json(said.out)
+            check_json(result.out)
     assert not song.exists()
     assert sorted(place.parent.iterdir()) == outer

@@ -57,11 +57,11 @@ def test_words_of_rows_are_shown_as_text(made, name, tmp_path_factory):
     folder = write_folder(tmp_path_factory.mktemp("words") / "run", name, made, cells=len(made))
     for request in (["status"], ["status", "--json"], ["report"]):
         with without_pdf_files():
-            said = command(*request, str(folder))
-        assert said.code == 0, said.err
-        assert not raw_controls(said.out)
+            result = command(*request, str(folder))
+        assert result.code == 0, result.err
+        assert not raw_controls(result.out)
         if "--json" in request:
-            check_json(said.out)
+            check_json(result.out)
     check_report(folder / "report")
 
 
@@ -77,11 +77,11 @@ def test_a_rude_plugin_is_quoted(tmp_path):
     spec = f"{plugin}:Rude"
 
     plain = command("solve", "3", "2", "--solver", spec)
-    said = command("solve", "3", "2", "--solver", spec, "--json")
+    result = command("solve", "3", "2", "--solver", spec, "--json")
 
     assert "<script>" in plain.out
     assert not raw_controls(plain.out)
-    assert json.loads(said.out)["message"] == text
+    assert json.loads(result.out)["message"] == text
     experiment = tmp_path / "rude.toml"
     experiment.write_text(
         'title = "t"\nquestion = "q"\nsolvers = ["analytic"]\n'

@@ -97,10 +97,10 @@ def test_a_damaged_part_is_put_aside_and_its_cells_are_solved_again(folder, expe
     with pytest.raises(ResultsError, match=r"b\.parquet"):
         load([folder])
 
-    said = finished("run", experiment, "--out", folder)
+    process = finished("run", experiment, "--out", folder)
 
-    assert said.returncode == 0
-    (line,) = [line for line in said.stderr.splitlines() if "damaged" in line]
+    assert process.returncode == 0
+    (line,) = [line for line in process.stderr.splitlines() if "damaged" in line]
     assert line == (
         f"dubins-study: {part} is damaged: moved to {folder / 'damaged' / 'b.parquet'}, its cells "
         "are solved again"
@@ -245,8 +245,8 @@ def test_a_full_disk(tmp_path):
         assert ".parquet: No space left on device; " in said[0]
         assert "rows not written yet are lost, all others are kept" in said[0]
         assert not list(disk_of.rglob("*.tmp"))
-        kept = done(out)
-        assert 0 < len(kept) < 800
+        cells = done(out)
+        assert 0 < len(cells) < 800
         assert finished("status", out).returncode == 0
 
         subprocess.run([mount, "-o", "remount,size=50m", str(disk_of)], check=True)
@@ -254,6 +254,6 @@ def test_a_full_disk(tmp_path):
 
         assert again.returncode == 0, again.stderr
         assert len(read_rows(out)) == 800
-        assert kept <= done(out)
+        assert cells <= done(out)
     finally:
         subprocess.run(["umount", "-l", str(disk_of)], check=True)

@@ -71,7 +71,7 @@ def test_a_killed_run_holds_nothing_even_while_its_workers_live(tmp_path):
         first.wait()
         assert any(alive(child) for child in children)
         assert not is_locked(out)
-        kept = done(out)
+        cells = done(out)
         assert status(out).runs[-1].state == "killed"
 
         again = finished("run", experiment, "--trust-plugins", "--out", out)
@@ -80,7 +80,7 @@ def test_a_killed_run_holds_nothing_even_while_its_workers_live(tmp_path):
                 os.kill(child, signal.SIGKILL)
 
     assert again.returncode == 0, again.stderr
-    assert kept <= done(out)
+    assert cells <= done(out)
     assert len(done(out)) == 24
     assert [run["state"] for run in manifest(out)["runs"]] == ["running", "finished"]
     assert [run.state for run in status(out).runs] == ["killed", "finished"]
@@ -96,10 +96,10 @@ def test_status_and_report_work_while_a_run_does(tmp_path):
     out = tmp_path / "out"
     with started("run", experiment, "--trust-plugins", "--out", out) as first:
         wait_for(lambda: parts(out))
-        found = finished("status", out)
-        assert found.returncode == 0
-        assert f"running: process {first.pid} is at work" in found.stdout
-        assert found.stderr == ""
+        process = finished("status", out)
+        assert process.returncode == 0
+        assert f"running: process {first.pid} is at work" in process.stdout
+        assert process.stderr == ""
         page = finished("report", out, "--out", tmp_path / "page")
         assert page.returncode == 0, page.stderr
         assert "Not finished" in (tmp_path / "page" / "index.html").read_text()

@@ -65,31 +65,31 @@ def frame(folder):
 
 def test_the_union_is_the_whole(original, halves, tmp_path):
     before = {f: f.read_bytes() for half in halves for f in half.rglob("*") if f.is_file()}
-    made = merge(halves, tmp_path / "all")
+    union = merge(halves, tmp_path / "all")
 
     assert all(file.read_bytes() == content for file, content in before.items())
-    assert (made.rows, made.agreeing_repeats, made.stale) == (CELLS, 0, 0)
-    assert frame(made.folder).equals(frame(original))
-    held = manifest(made.folder)
+    assert (union.rows, union.agreeing_repeats, union.stale) == (CELLS, 0, 0)
+    assert frame(union.folder).equals(frame(original))
+    held = manifest(union.folder)
     one = manifest(original)
     assert held["finished"] == one["finished"]
     assert held["runs"] == one["runs"]  # the same run in both: once
     assert held["cells"] == CELLS
-    assert status(made.folder).finished
-    assert len(load([made.folder]).rows) == CELLS
+    assert status(union.folder).finished
+    assert len(load([union.folder]).rows) == CELLS
 
 
 def test_a_union_that_is_not_whole_can_be_completed(experiment, original, tmp_path):
     folders = [shard(original, tmp_path / str(first), first, 3) for first in (0, 2)]
-    made = merge(folders, tmp_path / "part")
-    assert made.rows == 5
-    assert manifest(made.folder)["finished"] is None
-    assert status(made.folder).left == {"analytic": CELLS - 5}
+    union = merge(folders, tmp_path / "part")
+    assert union.rows == 5
+    assert manifest(union.folder)["finished"] is None
+    assert status(union.folder).left == {"analytic": CELLS - 5}
 
-    run(experiment, made.folder)
+    run(experiment, union.folder)
 
-    assert frame(made.folder)[KEYS].equals(frame(original)[KEYS])
-    assert status(made.folder).finished
+    assert frame(union.folder)[KEYS].equals(frame(original)[KEYS])
+    assert status(union.folder).finished
 
 
 def test_of_attempts_that_agree_the_earlier_is_kept(halves, tmp_path):
@@ -100,10 +100,10 @@ def test_of_attempts_that_agree_the_earlier_is_kept(halves, tmp_path):
     gap = read_rows(halves[1])["gap"][0].as_py()
     change(halves[1], 0, wall_s=9.0, gap=gap + TOLERANCE / 2)
     for order in (halves, halves[::-1]):
-        made = merge(order, tmp_path / "all")
-        assert (made.rows, made.agreeing_repeats) == (CELLS, 1)
-        assert "another" not in set(read_rows(made.folder)["run_id"].to_pylist())
-        shutil.rmtree(made.folder)
+        union = merge(order, tmp_path / "all")
+        assert (union.rows, union.agreeing_repeats) == (CELLS, 1)
+        assert "another" not in set(read_rows(union.folder)["run_id"].to_pylist())
+        shutil.rmtree(union.folder)
 
 
 @pytest.mark.parametrize(
@@ -141,11 +141,11 @@ def test_contradictions_are_counted_and_the_first_five_listed(original, tmp_path
     folders = [shard(original, tmp_path / name, 0, CELLS) for name in ("one", "two")]
     for row in range(7):
         change(folders[1], row, verdict="misses")
-    said = finished("merge", *folders, "--out", tmp_path / "all")
+    process = finished("merge", *folders, "--out", tmp_path / "all")
 
-    assert said.returncode == 2
-    assert said.stdout == ""
-    lines = said.stderr.splitlines()
+    assert process.returncode == 2
+    assert process.stdout == ""
+    lines = process.stderr.splitlines()
     assert "contradict each other in 7 cells" in lines[0]
     assert len(lines) == 1 + 5 + 1
     assert lines[-1].strip() == "and 2 more"
@@ -158,11 +158,11 @@ def test_other_code_is_another_cell(halves, tmp_path):
     Both rows are kept; the first folder's code counts, the other's rows are stale.
     """
     change(halves[1], 0, verdict="misses", code_digest="ffffffffffff")
-    made = merge(halves, tmp_path / "all")
+    union = merge(halves, tmp_path / "all")
 
-    assert (made.rows, made.agreeing_repeats, made.stale) == (CELLS + 1, 0, 1)
-    assert status(made.folder).stale == 1
-    assert len(load([made.folder]).rows) == CELLS
+    assert (union.rows, union.agreeing_repeats, union.stale) == (CELLS + 1, 0, 1)
+    assert status(union.folder).stale == 1
+    assert len(load([union.folder]).rows) == CELLS
 
 
 def _other(folder):

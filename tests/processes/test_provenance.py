@@ -100,8 +100,8 @@ def test_a_run_leaves_an_entry(tmp_path):
     It has command, machine, threads, load, state of the source, start and end.
     """
     folder = run(str(quick_experiment(tmp_path, 3)), tmp_path / "out", time_limit=7.0)
-    held = manifest(folder)
-    (entry,) = held["runs"]
+    content = manifest(folder)
+    (entry,) = content["runs"]
 
     assert entry["command"].startswith("dubins-study run ")
     assert "--time-limit 7.0" in entry["command"]
@@ -117,7 +117,7 @@ def test_a_run_leaves_an_entry(tmp_path):
     assert entry["started"] < entry["ended"]
     assert len(entry["load_start"]) == len(entry["load_end"]) == 3
     assert {entry["run_id"]} == set(read_rows(folder, ["run_id"])["run_id"].to_pylist())
-    assert held["solvers"]["slsqp"]["packages"] == {"scipy": __import__("scipy").__version__}
+    assert content["solvers"]["slsqp"]["packages"] == {"scipy": __import__("scipy").__version__}
 
 
 def timed(probes):

@@ -68,19 +68,19 @@ def rows(folder):
 
 
 def test_every_cell_becomes_a_judged_row(original):
-    found = rows(original)
-    assert list(found.columns) == names(ROW)
-    assert len(found) == CELLS
-    assert not found.duplicated(subset=["solver", "branch", "initial_guess", "radius"]).any()
-    assert set(found["outcome"]) == {"returned"}
-    best = found[found["branch"] == "best"]
+    table = rows(original)
+    assert list(table.columns) == names(ROW)
+    assert len(table) == CELLS
+    assert not table.duplicated(subset=["solver", "branch", "initial_guess", "radius"]).any()
+    assert set(table["outcome"]) == {"returned"}
+    best = table[table["branch"] == "best"]
     assert set(best["verdict"]) == {"optimal"}
     # R = 2 puts the target into the left disc, where LS does not exist
-    gone = found[(found["radius"] == 2.0) & (found["branch"] == "LS")]
+    gone = table[(table["radius"] == 2.0) & (table["branch"] == "LS")]
     assert set(gone[gone["solver"] == "analytic"]["verdict"]) == {"none exists"}
-    assert (found["threads"] == 1).all()
-    assert (found["wall_s"] > 0).all()
-    assert json.loads(found["versions"][0])["numpy"]
+    assert (table["threads"] == 1).all()
+    assert (table["wall_s"] > 0).all()
+    assert json.loads(table["versions"][0])["numpy"]
 
 
 def test_a_finished_run_is_one_part_and_a_second_run_changes_nothing(small, folder, monkeypatch):
@@ -137,8 +137,8 @@ def test_a_run_cut_short_is_completed(small, original, tmp_path, monkeypatch):
     with pytest.raises(KeyboardInterrupt):
         run(small, tmp_path / "cut")
     monkeypatch.undo()
-    kept = done(tmp_path / "cut")
-    assert 0 < len(kept) < CELLS
+    cells = done(tmp_path / "cut")
+    assert 0 < len(cells) < CELLS
     assert not manifest(tmp_path / "cut")["finished"]
 
     again = rows(run(small, tmp_path / "cut"))
@@ -258,10 +258,10 @@ def test_a_plugin_that_breaks_its_promise_spoils_no_other_row(small, tmp_path, j
         "Raising": ("raised", "OSError: no licence"),
     }
     specs = [f"{plugin}:{name}" for name in expected]
-    found = rows(run(small, tmp_path / "out", solvers=["analytic", *specs], jobs=jobs))
+    table = rows(run(small, tmp_path / "out", solvers=["analytic", *specs], jobs=jobs))
 
-    assert len(found) == 8 + 5 * 16
-    by_solver = dict(list(found.groupby("solver")))
+    assert len(table) == 8 + 5 * 16
+    by_solver = dict(list(table.groupby("solver")))
     assert set(by_solver["analytic"]["outcome"]) == {"returned"}
     for name, (outcome, message) in expected.items():
         part = by_solver[f"{plugin}:{name}"]

@@ -60,13 +60,13 @@ def test_done_left_and_failing_are_counted(folder):
         return rows
 
     rewrite(folder, edit)
-    found = status(folder)
+    progress = status(folder)
 
-    assert (found.cells, found.done, found.stale) == (3 * CELLS, 2 * CELLS - 2, 1)
-    assert found.left == {"slsqp": 2, "shooting": CELLS}
-    assert found.failing == {"timeout": 3}
-    assert found.verdicts["slsqp"] == {"timeout": 3, "optimal": CELLS - 5}
-    assert found.verdicts["analytic"] == {"optimal": CELLS}
+    assert (progress.cells, progress.done, progress.stale) == (3 * CELLS, 2 * CELLS - 2, 1)
+    assert progress.left == {"slsqp": 2, "shooting": CELLS}
+    assert progress.failing == {"timeout": 3}
+    assert progress.verdicts["slsqp"] == {"timeout": 3, "optimal": CELLS - 5}
+    assert progress.verdicts["analytic"] == {"optimal": CELLS}
 
 
 def test_a_folder_that_has_lost_rows_is_not_finished(folder):
@@ -128,9 +128,9 @@ def test_of_many_solvers_the_text_names_the_five_with_most_cells_left(folder):
 def test_without_rows_no_time_is_made_up(folder):
     rewrite(folder, lambda rows: [row for row in rows if row["solver"] == "analytic"])
     amend(folder, solvers={"slsqp": manifest(folder)["solvers"]["slsqp"]}, cells=CELLS)
-    found = status(folder)
+    progress = status(folder)
 
-    assert found.seconds_left is None
+    assert progress.seconds_left is None
     assert (
         "time left   unknown: no row is done yet to judge by" in finished("status", folder).stdout
     )
@@ -139,10 +139,10 @@ def test_without_rows_no_time_is_made_up(folder):
 def test_json_is_one_object_with_the_same(folder):
     rewrite(folder, lambda rows: rows[:-3])
     amend(folder, finished=None)
-    said = finished("status", folder, "--json")
-    found = json.loads(said.stdout)
+    process = finished("status", folder, "--json")
+    found = json.loads(process.stdout)
 
-    assert said.returncode == 0
+    assert process.returncode == 0
     assert (found["cells"], found["done"], found["left"]) == (3 * CELLS, 3 * CELLS - 3, 3)
     assert sum(found["left_by_solver"].values()) == 3
     assert found["seconds_left"] > 0
@@ -176,9 +176,9 @@ def test_subsets_and_repeats_keep_count(tmp_path):
 
     assert manifest(folder)["created"] == created
     assert set(manifest(folder)["solvers"]) == {"analytic", "slsqp", "shooting"}
-    found = status(folder)
-    assert (found.cells, found.done, found.finished) == (12, 8, False)
-    assert found.left == {"slsqp": 4}
+    progress = status(folder)
+    assert (progress.cells, progress.done, progress.finished) == (12, 8, False)
+    assert progress.left == {"slsqp": 4}
     entries = len(manifest(folder)["runs"])
     run(experiment, folder, solvers=["shooting"])  # there is nothing to do
     assert len(manifest(folder)["runs"]) == entries

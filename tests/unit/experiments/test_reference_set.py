@@ -110,13 +110,13 @@ def test_the_best_paths_of_a_suite_are_judged_optimal(tmp_path):
     answers = [known(row, claim="optimal", bound=row["reference_low"]) for row in reached]
     answers += [{"id": row["id"], "claim": "infeasible"} for row in rows if not row["lengths"]]
 
-    judged = judge_answers(write_answers(tmp_path / "copy.csv", answers), file)
+    judgements = judge_answers(write_answers(tmp_path / "copy.csv", answers), file)
 
-    verdicts = dict(zip(judged["id"], judged["verdict"], strict=True))
+    verdicts = dict(zip(judgements["id"], judgements["verdict"], strict=True))
     assert {verdicts[row["id"]] for row in reached} == {"optimal"}
     assert {verdicts[row["id"]] for row in rows if not row["lengths"]} == {"none exists"}
-    assert not judged["false_claim"].any()
-    assert not judged["false_bound"].any()
+    assert not judgements["false_claim"].any()
+    assert not judgements["false_bound"].any()
     assert {row["open"] for row in rows} == {"false"}
     for row in reached:
         assert float(row["reference_low"]) <= float(row["length"]) * (1 + 1e-12)
@@ -133,9 +133,9 @@ def test_the_table_of_legs_has_the_closed_form(tmp_path):
     asked = questions(read(file).experiment)
 
     for row in instances(tmp_path / "set"):
-        found = shortest(asked[row["id"]].scenario, row["branch"])
+        optimum = shortest(asked[row["id"]].scenario, row["branch"])
         length = float(row["length"]) if row["length"] else None
-        expected = None if found is None else pytest.approx(found.total, rel=1e-12)
+        expected = None if optimum is None else pytest.approx(optimum.total, rel=1e-12)
         assert length == expected
 
 
@@ -243,9 +243,11 @@ def test_false_claims_and_bounds_are_counted_by_method(legs, tmp_path):
         detour | {"method": "modest", "claim": "feasible", "bound": 0.9 * high},
     ]
 
-    judged = judge_answers(write_answers(tmp_path / "a.csv", answers), file, out=tmp_path / "out")
+    judgements = judge_answers(
+        write_answers(tmp_path / "a.csv", answers), file, out=tmp_path / "out"
+    )
 
-    proud, modest = (judged[judged["solver"] == name] for name in ("proud", "modest"))
+    proud, modest = (judgements[judgements["solver"] == name] for name in ("proud", "modest"))
     assert (proud["false_claim"].sum(), proud["false_bound"].sum()) == (1, 1)
     assert (modest["false_claim"].sum(), modest["false_bound"].sum()) == (0, 0)
     for rows in (proud, modest):
@@ -379,14 +381,14 @@ def test_a_program_in_another_language_takes_part(tmp_path):
     done = subprocess.run([program], input=table, capture_output=True, text=True, check=True)
     (tmp_path / "cpp.csv").write_text(done.stdout)
 
-    judged = judge_answers(tmp_path / "cpp.csv", file)
+    judgements = judge_answers(tmp_path / "cpp.csv", file)
 
-    best = judged[judged["branch"] == "best"]
+    best = judgements[judgements["branch"] == "best"]
     one_leg = best["via_x"].isna()
     assert set(best["verdict"][one_leg]) == {"optimal"}
     assert set(best["verdict"][~one_leg]) <= {"optimal", "longer"}
-    assert set(judged["verdict"][judged["branch"] != "best"]) == {"none"}
-    assert not judged["false_claim"].any()
+    assert set(judgements["verdict"][judgements["branch"] != "best"]) == {"none"}
+    assert not judgements["false_claim"].any()
 
 
 def test_the_columns_are_those_that_the_documentation_names():

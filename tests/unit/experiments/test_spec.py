@@ -40,15 +40,15 @@ def test_products_and_sweeps():
 
     The order is the scenario's own, the last one fastest.
     """
-    found = expand(
+    scenarios = expand(
         HEAD + '[[scenarios]]\nheading = ["90deg", 0]\ntarget_x = { linear = [1, 3, 3] }\n'
         "target_y = 2\nradius = { log = [0.1, 10, 3] }\n"
     )
 
-    assert len(found) == 2 * 3 * 3
-    assert found[0].heading == pytest.approx(math.pi / 2)
-    assert [s.radius for s in found[:3]] == pytest.approx([0.1, 1, 10])
-    assert [s.target_x for s in found[::3]] == pytest.approx([1, 2, 3, 1, 2, 3])
+    assert len(scenarios) == 2 * 3 * 3
+    assert scenarios[0].heading == pytest.approx(math.pi / 2)
+    assert [s.radius for s in scenarios[:3]] == pytest.approx([0.1, 1, 10])
+    assert [s.target_x for s in scenarios[::3]] == pytest.approx([1, 2, 3, 1, 2, 3])
 
 
 WARM = 'title = "t"\nquestion = "q"\nsolvers = ["slsqp"]\ninitial_guesses = ["warm"]\n'
@@ -72,11 +72,11 @@ def test_a_sweep_is_known_by_all_its_cells():
 
 
 def test_polar_targets():
-    found = expand(
+    scenarios = expand(
         HEAD + '[[scenarios]]\nheading = "30deg"\nradius = 2\ndistance = 5\nbearing = "60deg"\n'
     )
 
-    assert (found[0].target_x, found[0].target_y) == pytest.approx((0, 10))
+    assert (scenarios[0].target_x, scenarios[0].target_y) == pytest.approx((0, 10))
 
 
 @pytest.mark.parametrize("method", ["sobol", "latin hypercube"])
@@ -87,11 +87,11 @@ def test_samples_repeat_and_fill_their_ranges(method):
         "[scenarios.sample.ranges]\ndistance = { log = [0.05, 1000] }\n"
         'bearing = { linear = ["-pi", "pi"] }\n'
     )
-    found = expand(text)
+    scenarios = expand(text)
 
-    assert found == expand(text)
-    assert found != expand(text.replace("seed = 5", "seed = 6"))
-    distances = sorted(math.hypot(s.target_x, s.target_y) for s in found)
+    assert scenarios == expand(text)
+    assert scenarios != expand(text.replace("seed = 5", "seed = 6"))
+    distances = sorted(math.hypot(s.target_x, s.target_y) for s in scenarios)
     assert 0.05 <= distances[0] < 0.1
     assert 500 < distances[-1] <= 1000
     # uniform in the logarithm: the median is the geometric mean of the ends
@@ -219,9 +219,9 @@ def test_every_solver_of_given_guesses_is_one_that_takes_them():
     Others that are named beside a `guess_lengths` are a mistake.
     """
     guesses = "guess_lengths = {z1 = 1, z2 = 0, z3 = [1, 2]}\n"
-    found = expand(HEAD.replace("analytic", "*") + BLOCK + guesses)
+    scenarios = expand(HEAD.replace("analytic", "*") + BLOCK + guesses)
 
-    assert len(found) == 2 * sum(load(name).warm for name in registered())
+    assert len(scenarios) == 2 * sum(load(name).warm for name in registered())
 
 
 def test_what_nobody_is_asked_is_not_expanded():

@@ -41,12 +41,12 @@ def test_the_surest_is_the_one_with_the_highest_lower_end():
     rows += [row(q, "slow", right=q > 0, wall_s=9.0) for q in range(40)]
     rows += [row(q, "sample", experiment="pose") for q in range(19)]
     rows += [row(q, "whole", experiment="pose", right=q > 9) for q in range(40)]
-    found = best_supported(pd.DataFrame(rows))
+    best = best_supported(pd.DataFrame(rows))
 
-    assert found.loc[("leg", *WORDS), "solver"] == "many"
-    assert found.loc[("pose", *WORDS), "solver"] == "whole"
+    assert best.loc[("leg", *WORDS), "solver"] == "many"
+    assert best.loc[("pose", *WORDS), "solver"] == "whole"
     low = binomtest(39, 40).proportion_ci(method="wilson").low
-    assert found.loc[("leg", *WORDS), "low"] == pytest.approx(low)
+    assert best.loc[("leg", *WORDS), "low"] == pytest.approx(low)
 
 
 def test_every_attempt_ends_in_one_way():

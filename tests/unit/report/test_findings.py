@@ -400,10 +400,10 @@ def test_the_section_has_every_sentence(load_rows):
         rows += [attempt(moved, "disjunctive", engine="SCIP", wall_s=3e-3)]
     loaded = load_rows("benchmark", rows)
     section = findings_section(loaded)
-    made = compared(loaded)
+    attempts = compared(loaded)
 
-    assert made is not None
-    every = [finding for find in FINDINGS if (finding := find(Evidence(made, len(FINDINGS))))]
+    assert attempts is not None
+    every = [finding for find in FINDINGS if (finding := find(Evidence(attempts, len(FINDINGS))))]
     assert section is not None
     assert section.blocks[0].frame["sentence"].tolist() == [f.sentence for f in every]
     topics = [topic for topic in TOPICS if topic.about in ("benchmark", General.BENCHMARKED)]

@@ -155,14 +155,14 @@ def test_a_copy_under_another_name_keeps_its_section(results, tmp_path):
     copy = parse("copy", "copy.toml", read("basins").text).experiment
     bare = parse("bare", "bare.toml", re.sub("(?m)^section = .*$", "", read("basins").text))
 
-    kept = topic_page(folder(results, "copy", copy.section), tmp_path / "kept", *SECTIONS)
+    page = topic_page(folder(results, "copy", copy.section), tmp_path / "kept", *SECTIONS)
     none = topic_page(
         folder(results, "bare", bare.experiment.section), tmp_path / "none", *SECTIONS
     )
 
     assert copy.section == "basins"
     assert bare.experiment.section is None
-    assert "basins" in section_ids(kept)
+    assert "basins" in section_ids(page)
     assert "basins" not in section_ids(none)
     assert {"summary", "success"} <= set(section_ids(none))
 

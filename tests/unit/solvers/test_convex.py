@@ -48,13 +48,13 @@ def test_every_engine_meets_the_proven_optimum(engine, interface, name):
     tolerance = 1e-6
 
     reply = prepare(engine, interface, problem)(Ask(tolerance, 60.0))
-    found = residuals(problem, reply.point)
+    residual = residuals(problem, reply.point)
 
     assert reply.claim is Claim.OPTIMAL, reply.status
     apart = 100 * tolerance if engine == "proxqp" else 10 * tolerance  # it does not check the gap
-    assert found.primal <= tolerance
-    assert found.dual <= 10 * tolerance  # Clarabel's and ECOS's tolerance is relative
-    assert found.gap <= apart
+    assert residual.primal <= tolerance
+    assert residual.dual <= 10 * tolerance  # Clarabel's and ECOS's tolerance is relative
+    assert residual.gap <= apart
     assert abs(upper_bound(problem, reply.point.x) - reference(name)[1]) <= 2 * apart
 
 

@@ -91,9 +91,9 @@ def test_on_a_front_half_both_lengths_are_right_and_none_between(angle, offset, 
     around = as_path(scenario.start, scenario.radius, inside.word, inside.segments)
 
     for path in (arc, around):
-        judged = judge(scenario, path, Claim.OPTIMAL)
-        assert (judged.verdict, judged.region) == ("optimal", "circle"), path
-        assert certify(scenario, path, judged).proof == "proved"
+        judgement = judge(scenario, path, Claim.OPTIMAL)
+        assert (judgement.verdict, judgement.region) == ("optimal", "circle"), path
+        assert certify(scenario, path, judgement).proof == "proved"
     assert around.length - arc.length > 0.1
     longer = as_path(scenario.start, scenario.radius, "L", (angle + 2 * math.pi, 0.0))
     assert judge(scenario, longer, Claim.OPTIMAL).false_claim

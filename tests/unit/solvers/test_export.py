@@ -53,10 +53,10 @@ def paper_points(scenario, order):
     They are given as (z1, z2, z3).
     """
     for word, places in PLACES[order].items():
-        found = shortest(scenario, word)
-        if found is not None:
+        optimum = shortest(scenario, word)
+        if optimum is not None:
             z = np.zeros(3)
-            z[list(places)] = found.segments
+            z[list(places)] = optimum.segments
             yield z * scenario.radius
 
 

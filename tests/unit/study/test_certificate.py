@@ -34,10 +34,12 @@ def test_the_closed_form_is_proved_everywhere(name, branch):
     It is also proved that there is no path, where there is none.
     """
     path = shortest_path(ALL[name], branch)
-    found = certified(ALL[name], path, branch, Claim.INFEASIBLE if path is None else Claim.OPTIMAL)
+    certificate = certified(
+        ALL[name], path, branch, Claim.INFEASIBLE if path is None else Claim.OPTIMAL
+    )
 
-    assert found.proof is Proof.PROVED
-    assert (found.reference_high is None) == (path is None)
+    assert certificate.proof is Proof.PROVED
+    assert (certificate.reference_high is None) == (path is None)
 
 
 @pytest.mark.parametrize("problem", PAPER)
@@ -49,12 +51,12 @@ def test_the_papers_feasible_row_is_an_extremal_and_no_more(problem):
     scenario = PAPER[problem]
     both = [shortest_path(scenario, word) for word in ("LS", "RS")]
     longer = max(both, key=lambda path: path.length)
-    found = certified(scenario, longer)
+    certificate = certified(scenario, longer)
 
-    assert found.proof is Proof.EXTREMAL
-    assert found.pmp_residual < 1e-9
-    assert found.cut_margin < 0
-    assert found.reference_high < longer.length
+    assert certificate.proof is Proof.EXTREMAL
+    assert certificate.pmp_residual < 1e-9
+    assert certificate.cut_margin < 0
+    assert certificate.reference_high < longer.length
 
 
 def test_a_short_path_that_is_no_extremal_is_not_proved():
@@ -68,10 +70,12 @@ def test_a_short_path_that_is_no_extremal_is_not_proved():
     curvature = np.concatenate((np.full(40, path.curvatures[0]), [0.0]))
     lengths = np.concatenate((arc / 40 * wobble / wobble.mean(), [straight]))
     same = Path(PROBLEM.start, curvature * np.append(1 / wobble, 1), lengths * np.append(wobble, 1))
-    found = judge(PROBLEM, same, Claim.LOCAL, tolerances=Tolerances(miss=1, curvature=1, gap=1e-2))
+    judgement = judge(
+        PROBLEM, same, Claim.LOCAL, tolerances=Tolerances(miss=1, curvature=1, gap=1e-2)
+    )
 
-    assert found.verdict is Verdict.OPTIMAL
-    assert certify(PROBLEM, same, found, tolerances=Tolerances(gap=1e-2)).proof is Proof.NONE
+    assert judgement.verdict is Verdict.OPTIMAL
+    assert certify(PROBLEM, same, judgement, tolerances=Tolerances(gap=1e-2)).proof is Proof.NONE
 
 
 def test_a_bound_proves_what_no_condition_does():
@@ -84,14 +88,14 @@ def test_a_bound_proves_what_no_condition_does():
     # an arc of 1e-5 the other way makes it no extremal, and no longer to speak of
     path = Path(PROBLEM.start, [*exact.curvatures[:1], 1.0, 0.0], [arc + 1e-5, 1e-5, straight])
     length = path.length
-    found = judge(PROBLEM, path, Claim.OPTIMAL, tolerances=Tolerances(miss=1e-3))
+    judgement = judge(PROBLEM, path, Claim.OPTIMAL, tolerances=Tolerances(miss=1e-3))
 
-    assert found.verdict is Verdict.OPTIMAL
-    assert certify(PROBLEM, path, found).proof is not Proof.PROVED
-    bounded = certify(PROBLEM, path, found, lower_bound=exact.length * (1 - 1e-7))
+    assert judgement.verdict is Verdict.OPTIMAL
+    assert certify(PROBLEM, path, judgement).proof is not Proof.PROVED
+    bounded = certify(PROBLEM, path, judgement, lower_bound=exact.length * (1 - 1e-7))
     assert bounded.proof is Proof.BOUNDED
     for bound in (length - 0.1, length + 0.1, math.inf):
-        loose = certify(PROBLEM, path, found, lower_bound=bound)
+        loose = certify(PROBLEM, path, judgement, lower_bound=bound)
         assert loose.proof is not Proof.BOUNDED
 
 
@@ -103,13 +107,13 @@ def test_an_answer_that_owes_its_length_to_its_miss_is_not_proved():
     r = 1 - 1e-8
     scenario = Scenario(0, 0, 0, r * math.sin(0.3), 1 - r * math.cos(0.3), 1)
     arc = Path(scenario.start, [1.0], [0.3])
-    found = judge(scenario, arc, Claim.LOCAL)
+    judgement = judge(scenario, arc, Claim.LOCAL)
 
-    assert found.verdict is Verdict.OPTIMAL
-    assert found.length < 0.31
-    assert certify(scenario, arc, found).proof is Proof.EXTREMAL
-    assert certify(scenario, arc, found).reference_low > 6
-    assert not certify(scenario, arc, found, lower_bound=6.5).false_bound
+    assert judgement.verdict is Verdict.OPTIMAL
+    assert judgement.length < 0.31
+    assert certify(scenario, arc, judgement).proof is Proof.EXTREMAL
+    assert certify(scenario, arc, judgement).reference_low > 6
+    assert not certify(scenario, arc, judgement, lower_bound=6.5).false_bound
 
 
 @pytest.mark.parametrize("bound", [0.4, 1e9, math.inf])
@@ -132,11 +136,11 @@ def test_nothing_is_said_of_no_path(path):
 
     Nor does it prove that there is none, where one exists.
     """
-    found = certified(PROBLEM, path)
+    certificate = certified(PROBLEM, path)
 
-    assert found.proof is Proof.NONE
-    assert found.pmp_residual is None
-    assert found.reference_low == pytest.approx(found.reference_high)
+    assert certificate.proof is Proof.NONE
+    assert certificate.pmp_residual is None
+    assert certificate.reference_low == pytest.approx(certificate.reference_high)
     assert certified(PROBLEM, path, "LS", Claim.INFEASIBLE).proof is Proof.NONE
 
 
@@ -251,7 +255,7 @@ def test_a_path_that_nothing_but_its_size_makes_extremal_has_no_costates():
     """
     scenario = Scenario(0, 0, 0.3, 5, 1, 1000)
     path = Path(scenario.start, [0.001, -0.001, 2.73e-251], [2.8e-22, 1.6e70, 2.39e298])
-    found = certify(scenario, path, judge(scenario, path))
+    certificate = certify(scenario, path, judge(scenario, path))
 
     assert judge(scenario, path).verdict is Verdict.MISSES
-    assert found.pmp_residual is None
+    assert certificate.pmp_residual is None

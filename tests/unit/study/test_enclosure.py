@@ -113,15 +113,15 @@ def test_balls_hold_the_closed_form_and_are_narrow():
     for _, row in hard_poses(600, seed=5).iterrows():
         start, end, radius = poses_of(row)
         for branch in POSE_BRANCHES:
-            found = enclose_pose(start, end, radius, branch)
+            enclosure = enclose_pose(start, end, radius, branch)
             closed = shortest_to_pose(start, end, radius, branch)
             if closed is None:
-                assert found.absent, (row, branch)
+                assert enclosure.absent, (row, branch)
             else:
                 slack = 1e-14 * max(closed.total, 1.0) * radius
-                assert found.holds(closed.total * radius, slack), (row, branch)
+                assert enclosure.holds(closed.total * radius, slack), (row, branch)
             delta = leg(start, end, radius).delta
-            for low, high in found.parts:
+            for low, high in enclosure.parts:
                 assert high - low <= radius * 10 * math.sqrt(delta), (row, branch)
 
 
@@ -131,9 +131,9 @@ def test_a_straight_leg_has_one_length():
     The four words of S jump there one by one, but one of them is short on each side.
     """
     for end in (Pose(3, 0, 0), Pose(4, 0, 0), Pose(700, 0, 0)):
-        found = enclose_pose(START, end, 1.0)
-        assert len(found.parts) == 1
-        assert found.high - found.low < 1e-13 * end.x
+        enclosure = enclose_pose(START, end, 1.0)
+        assert len(enclosure.parts) == 1
+        assert enclosure.high - enclosure.low < 1e-13 * end.x
 
 
 @pytest.mark.parametrize("heading", [1e9, 1e20, -1e28, 1e150])
@@ -156,10 +156,10 @@ def test_an_arc_has_two_lengths():
 
     On the circle it is the arc; off it the arc and a full turn, and nothing between.
     """
-    found = enclose_pose(START, Pose(math.sin(1), 1 - math.cos(1), 1), 1.0)
+    enclosure = enclose_pose(START, Pose(math.sin(1), 1 - math.cos(1), 1), 1.0)
 
-    assert [round(low, 3) for low, _ in found.parts] == [1.0, 7.283]
-    assert all(high - low < 1e-13 for low, high in found.parts)
+    assert [round(low, 3) for low, _ in enclosure.parts] == [1.0, 7.283]
+    assert all(high - low < 1e-13 for low, high in enclosure.parts)
 
 
 @pytest.mark.parametrize("arc", [math.pi, 3.3, 4.0, 4.6, 1.5 * math.pi, 5.5, 6.2])
@@ -173,13 +173,13 @@ def test_an_arc_of_half_a_turn_or_more_has_one_length(arc, side):
     No path to any of 200 ends within delta is longer, in 60 digits.
     """
     row = pd.Series([0.0, 0, 0, math.sin(arc), side * (1 - math.cos(arc)), 1, side * arc])
-    found = enclose_pose(*poses_of(row))
+    enclosure = enclose_pose(*poses_of(row))
 
-    assert len(found.parts) == 1
-    assert found.high - found.low < (3e-7 if arc == math.pi else 1e-12)
+    assert len(enclosure.parts) == 1
+    assert enclosure.high - enclosure.low < (3e-7 if arc == math.pi else 1e-12)
     with mp.workdps(60):
         for truth in lengths_within_delta(row, np.random.default_rng(1), 200):
-            assert found.low <= truth["best"] <= found.high
+            assert enclosure.low <= truth["best"] <= enclosure.high
 
 
 def test_edges_of_reach_are_known_to_a_root():
@@ -187,10 +187,10 @@ def test_edges_of_reach_are_known_to_a_root():
 
     LRL at centres 4 apart: a length from 2 pi on, and maybe none.
     """
-    found = enclose_pose(START, Pose(4, 0, 0), 1.0, "LRL")
+    enclosure = enclose_pose(START, Pose(4, 0, 0), 1.0, "LRL")
 
-    assert found.absent
-    assert found.low < 2 * math.pi < found.high < 2 * math.pi + 1e-6
+    assert enclosure.absent
+    assert enclosure.low < 2 * math.pi < enclosure.high < 2 * math.pi + 1e-6
 
 
 def test_the_jump_across_a_circle_is_not_blurred():
@@ -217,9 +217,9 @@ def test_just_behind_the_start_a_turn_of_nothing_is_none():
     """
     scenario = Scenario(0, 0, 0, -2e-7, 2e-14, 1)
     for branch in ("best", "RL"):
-        found = enclose(scenario, branch)
-        assert found.low <= 2 * math.pi - 2e-7 <= found.high + 1e-13
-        assert found.low > 6.28
+        enclosure = enclose(scenario, branch)
+        assert enclosure.low <= 2 * math.pi - 2e-7 <= enclosure.high + 1e-13
+        assert enclosure.low > 6.28
 
 
 class Kind(NamedTuple):

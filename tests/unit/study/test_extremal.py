@@ -85,12 +85,12 @@ def test_costates_against_an_ode_integrator(name):
     path = shortest_path(scenario)
     if path is None or not path.lengths.size:
         pytest.skip("nothing to drive")
-    found = certified(path, scenario.radius)
-    H, margin = driven(path, found.nu, 0.0 if found.abnormal else 1.0, scenario.radius)
+    certificate = certified(path, scenario.radius)
+    H, margin = driven(path, certificate.nu, 0.0 if certificate.abnormal else 1.0, scenario.radius)
 
     # the integrator's 1e-12 grows with the length in radii, and with the costates' size
-    allowed = 1e-9 * (1 + path.length / scenario.radius) * max(1, math.hypot(*found.nu))
-    assert found.pmp_residual <= ROUNDING
+    allowed = 1e-9 * (1 + path.length / scenario.radius) * max(1, math.hypot(*certificate.nu))
+    assert certificate.pmp_residual <= ROUNDING
     assert allowed >= H
     assert margin >= -allowed
 
@@ -103,15 +103,15 @@ def test_two_arcs_are_extremal_iff_theory_says_so(first, second, side, heading):
     """
     assume(min(abs(second - math.pi), abs(first - second)) > 1e-4)
     path = Path(Pose(0, 0, heading), [side, -side], [first, second])
-    found = certified(path)
+    certificate = certified(path)
 
     is_extremal = math.pi < second and first <= second
-    assert (found.pmp_residual <= ROUNDING) == is_extremal
+    assert (certificate.pmp_residual <= ROUNDING) == is_extremal
     if is_extremal:
         rho = -1 / math.cos(second / 2)
         phi = heading + side * first - side * second / 2
         expected = (rho * math.cos(phi), rho * math.sin(phi))
-        assert found.nu == pytest.approx(expected, rel=1e-6)
+        assert certificate.nu == pytest.approx(expected, rel=1e-6)
 
 
 def test_a_second_arc_of_half_a_turn_is_abnormal():
@@ -119,11 +119,11 @@ def test_a_second_arc_of_half_a_turn_is_abnormal():
 
     a2 = pi: rho = -nu0 / cos(a2 / 2) has no bound, nu0 = 0.
     """
-    found = certified(Path(Pose(0, 0, 0), [-1, 1], [0.3, math.pi]))
+    certificate = certified(Path(Pose(0, 0, 0), [-1, 1], [0.3, math.pi]))
 
-    assert found.abnormal
-    assert math.hypot(*found.nu) == pytest.approx(1)
-    assert found.hamiltonian <= ROUNDING
+    assert certificate.abnormal
+    assert math.hypot(*certificate.nu) == pytest.approx(1)
+    assert certificate.hamiltonian <= ROUNDING
 
 
 @pytest.mark.parametrize(
@@ -340,9 +340,9 @@ def test_a_turned_heading_is_no_extremal(seed, off):
     measured = route_extremal(path, tuple(at), 1.0, True)
 
     assert 1e-3 * jump < measured.pmp_residual < jump
-    judged = judge(scenario, path)
-    assert judged.verdict is not Verdict.MISSES
-    assert certify(scenario, path, judged).proof is not Proof.EXTREMAL or off < 1e-5
+    judgement = judge(scenario, path)
+    assert judgement.verdict is not Verdict.MISSES
+    assert certify(scenario, path, judgement).proof is not Proof.EXTREMAL or off < 1e-5
 
 
 def test_nu3_may_jump_at_a_point_on_the_turning_circle():
@@ -359,8 +359,8 @@ def test_nu3_may_jump_at_a_point_on_the_turning_circle():
     measured = route_extremal(path, (math.pi / 2,), 1.0, True)
 
     assert measured.pmp_residual < 1e-9
-    judged = judge(scenario, path, tolerances=Tolerances(search_s=1e-9))
-    assert certify(scenario, path, judged).proof in (Proof.EXTREMAL, Proof.PROVED)
+    judgement = judge(scenario, path, tolerances=Tolerances(search_s=1e-9))
+    assert certify(scenario, path, judgement).proof in (Proof.EXTREMAL, Proof.PROVED)
     backwards = Path(Pose(0, 0, 0), [0, 1, -1], [3.0, 1.0, math.pi / 2])
     reversed_in_time = route_extremal(backwards, (4.0,), 1.0, False)
     assert reversed_in_time.pmp_residual < 1e-9
@@ -426,8 +426,8 @@ def test_a_local_optimum_of_a_leg_is_an_extremal():
     for word in POSE_BRANCHES[1:]:
         path = pose_path(scenario.start, end, 1.0, word)
         if path is not None:
-            judged = judge(scenario, path)
-            proofs[word] = judged.verdict, certify(scenario, path, judged).proof
+            judgement = judge(scenario, path)
+            proofs[word] = judgement.verdict, certify(scenario, path, judgement).proof
 
     assert (Verdict.OPTIMAL, Proof.PROVED) in proofs.values()
     assert proofs["LSL"] == (Verdict.LONGER, Proof.EXTREMAL)

@@ -35,8 +35,8 @@ def test_a_path_whose_end_no_scenario_may_have_is_judged():
     beyond = Path(scenario.start, exact.path.curvatures, exact.path.lengths * (1 - 1e-9))
     at_edge = Path(scenario.start, [0.0], [1.0])
     for path in (exact.path, beyond, at_edge):
-        found = judge(scenario, path, Claim.OPTIMAL)
-        assert found.verdict in (Verdict.OPTIMAL, Verdict.MISSES)
+        judgement = judge(scenario, path, Claim.OPTIMAL)
+        assert judgement.verdict in (Verdict.OPTIMAL, Verdict.MISSES)
     assert solve(scenario, "ipopt").verdict is Verdict.OPTIMAL
 
 

@@ -201,10 +201,10 @@ def test_large_headings_keep_their_digits():
     """
     for turns in (1e3, 1e8):
         start, end = Pose(0, 0, 1 + turns), Pose(2, 3, 2 + turns)
-        found = enclose_pose(start, end, 1.0)
+        enclosure = enclose_pose(start, end, 1.0)
         columns = ([0.0], [0.0], [start.heading], [2.0], [3.0], [1.0], [end.heading])
         for length in (shortest_to_pose(start, end, 1.0).total, pose_rows(*columns).length[0]):
-            assert found.holds(length, 0.0)
+            assert enclosure.holds(length, 0.0)
 
 
 @pytest.mark.slow
@@ -233,9 +233,9 @@ def test_a_million_random_legs_against_a_peer():
 
     assert other.size <= 20
     for i in other:
-        found = enclose_pose(*poses_of(tuple(column[i] for column in columns)))
-        assert found.holds(ours[i], 0.0)
-        assert not found.holds(theirs[i], 0.0)
+        enclosure = enclose_pose(*poses_of(tuple(column[i] for column in columns)))
+        assert enclosure.holds(ours[i], 0.0)
+        assert not enclosure.holds(theirs[i], 0.0)
         assert abs(theirs[i] - ours[i]) < 2e-6
 
 

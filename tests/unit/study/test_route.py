@@ -176,7 +176,7 @@ def test_a_search_without_time_proves_the_straight_lines():
     No path is shorter than the straight lines from point to point.
     """
     points = [(0.0, 0.0), (1e-7, 1e-7), (3e-7, 3e-7)]
-    found = search(points, 0.0, limit=1e-9)
+    route = search(points, 0.0, limit=1e-9)
 
-    assert found.low == pytest.approx(math.hypot(3e-7, 3e-7), rel=1e-14)
-    assert not found.closed
+    assert route.low == pytest.approx(math.hypot(3e-7, 3e-7), rel=1e-14)
+    assert not route.closed

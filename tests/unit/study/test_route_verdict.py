@@ -89,16 +89,16 @@ def test_a_detour_is_longer(scenario):
         path.start, [1.0, *path.curvatures], [2 * math.pi / scenario.radius, *path.lengths]
     )
 
-    found = judge(scenario, circle, Claim.OPTIMAL)
+    judgement = judge(scenario, circle, Claim.OPTIMAL)
 
-    assert found.verdict is Verdict.LONGER
-    assert found.wrong_basin
-    assert found.false_claim
-    assert found.gap == pytest.approx(2 * math.pi / path.length)
+    assert judgement.verdict is Verdict.LONGER
+    assert judgement.wrong_basin
+    assert judgement.false_claim
+    assert judgement.gap == pytest.approx(2 * math.pi / path.length)
     # an arc that is a turn longer satisfies Pontryagin's conditions as well, another arc does not
     same_side = path.curvatures[0] > 0
     proof = Proof.EXTREMAL if same_side else Proof.NONE
-    assert certify(scenario, circle, found).proof is proof
+    assert certify(scenario, circle, judgement).proof is proof
 
 
 @pytest.mark.parametrize("arc", [0.5, 1.0, math.pi, 4.0, 5.5])
@@ -146,13 +146,13 @@ def test_what_the_interval_leaves_open_is_undecided():
     shortest._known.clear()  # which closed the gap
 
     for claim in (Claim.OPTIMAL, Claim.LOCAL, Claim.FEASIBLE):
-        found = judge(FREE, path, claim, tolerances=NO_TIME)
-        assert (found.verdict, found.false_claim) == (Verdict.UNDECIDED, False)
+        judgement = judge(FREE, path, claim, tolerances=NO_TIME)
+        assert (judgement.verdict, judgement.false_claim) == (Verdict.UNDECIDED, False)
     assert judge(FREE, path, Claim.INFEASIBLE, tolerances=NO_TIME).false_claim
-    certificate = certify(FREE, path, found, tolerances=NO_TIME)
+    certificate = certify(FREE, path, judgement, tolerances=NO_TIME)
     assert certificate.proof is Proof.EXTREMAL
     assert certificate.reference_low < 0.999 * path.length
-    bounded = certify(FREE, path, found, lower_bound=path.length, tolerances=NO_TIME)
+    bounded = certify(FREE, path, judgement, lower_bound=path.length, tolerances=NO_TIME)
     assert bounded.proof is Proof.BOUNDED
 
     circles = Path(path.start, [1.0, *path.curvatures], [20 * math.pi, *path.lengths])
@@ -230,11 +230,11 @@ def test_a_check_out_of_time_certifies_less():
     judged_before = judge(ROUTE, answer.path)
     late = replace(Tolerances(), until=-math.inf)
 
-    found = certify(ROUTE, answer.path, judged_before, tolerances=late)
+    certificate = certify(ROUTE, answer.path, judged_before, tolerances=late)
 
     assert answer.pmp_residual < 1e-7
-    assert found.pmp_residual is None
-    assert found.proof is Proof.PROVED
+    assert certificate.pmp_residual is None
+    assert certificate.proof is Proof.PROVED
 
 
 def test_a_longer_answer_comes_with_the_shorter_path():
@@ -247,12 +247,12 @@ def test_a_longer_answer_comes_with_the_shorter_path():
     reply = Reply(Outcome.RETURNED, Solution(Claim.LOCAL, circled), Times())
     answer = judged("circles", Question(ROUTE), reply)
 
-    found = shorter_answer(answer)
+    shorter = shorter_answer(answer)
 
     assert answer.verdict is Verdict.LONGER
-    assert found.verdict is Verdict.OPTIMAL
-    assert found.length == pytest.approx(answer.length - 2 * math.pi, rel=1e-9)
-    assert shorter_answer(found) is None
+    assert shorter.verdict is Verdict.OPTIMAL
+    assert shorter.length == pytest.approx(answer.length - 2 * math.pi, rel=1e-9)
+    assert shorter_answer(shorter) is None
 
 
 def test_a_search_that_is_cut_short_claims_no_optimum():
@@ -291,13 +291,13 @@ def test_missing_by_a_little_buys_no_turn(via):
         scenario = Scenario(target_x=-3, target_y=2, via=[last[:2]], final_heading=1)
         path = Path(path.start, [1.0, *there.curvatures], [arc, *there.lengths])
 
-    found = judge(scenario, path, Claim.OPTIMAL)
-    proved = certify(scenario, path, found)
+    judgement = judge(scenario, path, Claim.OPTIMAL)
+    proved = certify(scenario, path, judgement)
 
     assert proved.reference_low > path.length + 1
-    assert found.verdict is not Verdict.MISSES
-    assert found.gap > -1e-5
-    assert found.miss == pytest.approx(5e-7, rel=1e-3)
+    assert judgement.verdict is not Verdict.MISSES
+    assert judgement.gap > -1e-5
+    assert judgement.miss == pytest.approx(5e-7, rel=1e-3)
     assert proved.proof is Proof.EXTREMAL
     assert solve(scenario).verdict is Verdict.OPTIMAL
 
@@ -317,10 +317,10 @@ def test_rounding_beside_the_turning_circle_costs_no_turn(seed):
     scenario = Scenario(*arc.start, x + away[0], y + away[1], via=[(x, y)])
     quick = Tolerances(search_s=0.5)
 
-    found = judge(scenario, path, tolerances=quick)
+    judgement = judge(scenario, path, tolerances=quick)
 
-    assert found.verdict in (Verdict.OPTIMAL, Verdict.UNDECIDED)
-    certificate = certify(scenario, path, found, tolerances=quick)
+    assert judgement.verdict in (Verdict.OPTIMAL, Verdict.UNDECIDED)
+    certificate = certify(scenario, path, judgement, tolerances=quick)
     assert certificate.reference_low <= path.length * (1 + 1e-9)
     assert certificate.proof in (Proof.PROVED, Proof.EXTREMAL)
 

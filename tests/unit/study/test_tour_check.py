@@ -84,11 +84,11 @@ def test_the_order_is_read_from_the_path():
     The order of the points in the scenario does not matter; the route in their order is missed.
     """
     np.testing.assert_allclose(integrated(U_TURN)[:2], (0, 2), atol=1e-9)
-    judged = judge(THROUGH, U_TURN)
+    judgement = judge(THROUGH, U_TURN)
 
-    assert judged.verdict is Verdict.OPTIMAL
-    assert judged.visit_order == [2, 1, 0]
-    assert judged.visits == pytest.approx([4.0, 8.0 + math.pi / 2, 12.0 + math.pi], abs=1e-6)
+    assert judgement.verdict is Verdict.OPTIMAL
+    assert judgement.visit_order == [2, 1, 0]
+    assert judgement.visits == pytest.approx([4.0, 8.0 + math.pi / 2, 12.0 + math.pi], abs=1e-6)
     in_order = replace(THROUGH, order="given")
     assert judge(in_order, U_TURN).verdict is Verdict.MISSES
     assert "in their order" in miss_reason(in_order, U_TURN, "best")
@@ -145,9 +145,9 @@ def test_the_second_passing_counts_where_it_has_the_heading(off):
     scenario = Scenario(target_x=end.x, target_y=end.y, via=[(2, 0, -off)])
 
     for order in ("given", "free"):
-        judged = judge(replace(scenario, order=order), path)
-        assert judged.verdict is not Verdict.MISSES
-        assert judged.visits == pytest.approx([2.0 + back.length], abs=1e-5)
+        judgement = judge(replace(scenario, order=order), path)
+        assert judgement.verdict is not Verdict.MISSES
+        assert judgement.visits == pytest.approx([2.0 + back.length], abs=1e-5)
 
 
 def test_a_closed_path_ends_with_the_heading_of_its_start():
@@ -169,8 +169,8 @@ def test_a_closed_path_ends_with_the_heading_of_its_start():
                 [*there.curvatures, *back.curvatures],
                 [*there.lengths, *back.lengths],
             )
-            found = judge(replace(one, heading=1.0), path)
-            assert (found.verdict is not Verdict.MISSES) == arrives
+            judgement = judge(replace(one, heading=1.0), path)
+            assert (judgement.verdict is not Verdict.MISSES) == arrives
             if not arrives:
                 assert "final heading" in miss_reason(replace(one, heading=1.0), path, "best")
 
@@ -183,8 +183,8 @@ def test_a_free_start_begins_at_its_place():
 
     assert answer.length == pytest.approx(math.hypot(6, 5), rel=1e-8)
     straight = Path(Pose(1, 2, away), [0.0], [math.hypot(6, 5)])
-    judged = judge(scenario, straight)
-    assert (judged.verdict, judged.start_heading) == (Verdict.OPTIMAL, away)
+    judgement = judge(scenario, straight)
+    assert (judgement.verdict, judgement.start_heading) == (Verdict.OPTIMAL, away)
     beside = Path(Pose(1 + 1e-9, 2, away), [0.0], [math.hypot(6, 5)])
     assert judge(scenario, beside).verdict is Verdict.MISSES
     assert miss_reason(scenario, beside, "best") == "the path starts elsewhere"
@@ -229,12 +229,12 @@ def test_who_misses_points_by_less_than_is_allowed_gains_nothing(name):
             angle = rng.uniform(-4, 4, 3)
             moved = via + size * np.stack([np.cos(angle), np.sin(angle)], axis=1)
             path = solve(replace(asked, via=moved)).path
-            judged = judge(asked, path, Claim.OPTIMAL)
-            certificate = certify(asked, path, judged, lower_bound=judged.length)
-            assert (judged.verdict is Verdict.OPTIMAL) == arrives
+            judgement = judge(asked, path, Claim.OPTIMAL)
+            certificate = certify(asked, path, judgement, lower_bound=judgement.length)
+            assert (judgement.verdict is Verdict.OPTIMAL) == arrives
             if arrives:
-                assert not judged.false_claim
-                assert abs(judged.length - best.length) < 1e-4 * best.length
+                assert not judgement.false_claim
+                assert abs(judgement.length - best.length) < 1e-4 * best.length
                 assert certificate.proof is Proof.PROVED
 
 
@@ -251,11 +251,11 @@ def test_a_shortcut_of_a_turn_is_judged_by_the_points_that_it_visits(ends):
     asked = Scenario(**ends, via=[INSIDE], order="free")
     cheat = solve(replace(asked, via=[OUTSIDE])).path
 
-    judged = judge(asked, cheat, Claim.OPTIMAL)
-    certificate = certify(asked, cheat, judged, lower_bound=cheat.length)
+    judgement = judge(asked, cheat, Claim.OPTIMAL)
+    certificate = certify(asked, cheat, judgement, lower_bound=cheat.length)
 
-    assert judged.verdict in (Verdict.OPTIMAL, Verdict.UNDECIDED)
-    assert judged.gap > -1e-4
+    assert judgement.verdict in (Verdict.OPTIMAL, Verdict.UNDECIDED)
+    assert judgement.gap > -1e-4
     assert not certificate.false_bound
 
 
@@ -271,8 +271,8 @@ def test_a_path_may_rest_where_all_points_are(via, ends):
     asked = Scenario(**ends, via=via, order="free")
     resting = Path(Pose(0, 0, 0), [], [])
 
-    judged = judge(asked, resting, Claim.OPTIMAL, tolerances=SOON)
-    certify(asked, resting, judged, tolerances=SOON)
+    judgement = judge(asked, resting, Claim.OPTIMAL, tolerances=SOON)
+    certify(asked, resting, judgement, tolerances=SOON)
 
-    assert judged.verdict is Verdict.OPTIMAL
-    assert judged.gap == pytest.approx(0.0, abs=1e-5)
+    assert judgement.verdict is Verdict.OPTIMAL
+    assert judgement.gap == pytest.approx(0.0, abs=1e-5)

@@ -68,10 +68,10 @@ def test_a_coarse_answer_is_not_a_wrong_basin():
     end = wave.end
     reached = replace(straight, target_x=end.x, target_y=end.y)
     # its heading at the end is the one it began with
-    found = judge(reached, wave, Claim.LOCAL)
+    judgement = judge(reached, wave, Claim.LOCAL)
 
-    assert found.verdict is Verdict.LONGER
-    assert not found.wrong_basin
+    assert judgement.verdict is Verdict.LONGER
+    assert not judgement.wrong_basin
 
 
 @pytest.mark.parametrize(
@@ -95,11 +95,11 @@ def test_what_does_not_arrive(path, verdict):
 
     They are no path, too sharp a turn, broken numbers, backwards, nothing, and another start.
     """
-    found = judge(PROBLEM, path, Claim.LOCAL)
+    judgement = judge(PROBLEM, path, Claim.LOCAL)
 
-    assert found.verdict is verdict
-    assert found.gap is None
-    assert found.false_claim
+    assert judgement.verdict is verdict
+    assert judgement.gap is None
+    assert judgement.false_claim
 
 
 @pytest.mark.parametrize(
@@ -120,8 +120,8 @@ def test_curvature_that_a_branch_allows(branch, curvature, excess):
 def test_arcs_of_no_length_exceed_nothing():
     for lengths, excess in (([0, 1], 0), ([1, 1], 1)):
         path = Path(EDGES["ahead"].start, [-1, 1], lengths)
-        found = judge(EDGES["ahead"], path, branch="LS")
-        assert found.curvature_excess == pytest.approx(excess)
+        judgement = judge(EDGES["ahead"], path, branch="LS")
+        assert judgement.curvature_excess == pytest.approx(excess)
 
 
 def test_the_reference_is_relaxed_over_the_miss_near_a_circle():
@@ -158,11 +158,11 @@ def test_an_exact_answer_that_lands_across_the_circle_is_not_punished():
     path = shortest_path(inside)
     nudged = Path(path.start, path.curvatures, path.lengths - [0, 3e-9])
 
-    found = judge(inside, nudged, Claim.LOCAL)
+    judgement = judge(inside, nudged, Claim.LOCAL)
 
-    assert found.miss > 1e-9
-    assert found.verdict is Verdict.OPTIMAL
-    assert found.reference > 6
+    assert judgement.miss > 1e-9
+    assert judgement.verdict is Verdict.OPTIMAL
+    assert judgement.reference > 6
 
 
 def test_near_the_rear_a_miss_explains_more():
@@ -175,10 +175,10 @@ def test_near_the_rear_a_miss_explains_more():
     path = shortest_path(short)
     assert path is not None
 
-    found = judge(scenario, path)
+    judgement = judge(scenario, path)
 
     assert path.length < shortest_path(scenario).length
-    assert found.verdict is Verdict.OPTIMAL
+    assert judgement.verdict is Verdict.OPTIMAL
 
 
 def test_going_straight_first_does_not_answer_ls_inside_the_left_disc():
@@ -190,10 +190,10 @@ def test_going_straight_first_does_not_answer_ls_inside_the_left_disc():
     centre = EDGES["centre of the left disc"]
     path = Path(centre.start, [0.0, 1.0], [1.0, 1.5 * math.pi])
 
-    found = judge(centre, path, Claim.LOCAL, "LS")
+    judgement = judge(centre, path, Claim.LOCAL, "LS")
 
-    assert found.miss < 1e-12
-    assert found.verdict is Verdict.MISSES
+    assert judgement.miss < 1e-12
+    assert judgement.verdict is Verdict.MISSES
     assert judge(centre, path, Claim.LOCAL).verdict is Verdict.LONGER
 
 
@@ -244,7 +244,7 @@ def test_tolerances_decide():
 @given(scenarios())
 def test_margin_is_the_distance_to_the_nearer_circle(scenario):
     """Against the distance computed in the world frame."""
-    found = judge(scenario, None)
+    judgement = judge(scenario, None)
     x = scenario.x
     y = scenario.y
     heading = scenario.heading
@@ -257,11 +257,11 @@ def test_margin_is_the_distance_to_the_nearer_circle(scenario):
 
     expected = min(abs(d / radius - 1) for d in distances)
     # coordinates up to 100 radii from the origin are rounded at 1e-14 radii
-    np.testing.assert_allclose(found.margin, expected, rtol=1e-9, atol=1e-12)
+    np.testing.assert_allclose(judgement.margin, expected, rtol=1e-9, atol=1e-12)
     if expected > 1e-9:
         inside = [d < radius for d in distances]
         place = {(1, 0): "left disc", (0, 1): "right disc", (0, 0): "outside"}
-        assert found.region == place[tuple(map(int, inside))]
+        assert judgement.region == place[tuple(map(int, inside))]
 
 
 def test_another_word_far_off_is_a_wrong_basin_though_it_turns_as_far():
@@ -274,11 +274,11 @@ def test_another_word_far_off_is_a_wrong_basin_though_it_turns_as_far():
     target = local(scenario)
     first, second, _, _ = right_left_pair(*target)
     path = as_path(scenario.start, scenario.radius, "RL", (first, second))
-    found = judge(scenario, path, Claim.LOCAL)
+    judgement = judge(scenario, path, Claim.LOCAL)
 
-    assert found.gap > 0.3
+    assert judgement.gap > 0.3
     assert abs(path.turn - 2.8) < 1
-    assert found.wrong_basin
+    assert judgement.wrong_basin
 
 
 def test_next_to_the_start_a_miss_reaches_the_circle_for_all_its_rounding():
@@ -296,10 +296,10 @@ def test_next_to_the_start_a_miss_reaches_the_circle_for_all_its_rounding():
     lengths = scenario.radius * np.array([5e-12, turn])
     path = Path(scenario.start, [0.0, -1 / scenario.radius], lengths)
 
-    found = judge(scenario, path, Claim.LOCAL, "RS")
+    judgement = judge(scenario, path, Claim.LOCAL, "RS")
 
-    assert 1e-12 < found.miss / scenario.radius < 1e-11
-    assert (found.verdict, found.false_claim) == (Verdict.OPTIMAL, False)
+    assert 1e-12 < judgement.miss / scenario.radius < 1e-11
+    assert (judgement.verdict, judgement.false_claim) == (Verdict.OPTIMAL, False)
 
 
 # frames against the scalar check; the adversary compares them row by row
@@ -317,10 +317,10 @@ def test_the_closed_form_is_judged_optimal_without_the_scalar_check(monkeypatch)
         lambda *args: calls.append(1) or judge(*args),
     )
     paths = Analytic().solve_frame(HARD, "best").paths
-    found = judge_frame(HARD, paths, Claim.OPTIMAL)
+    judgements = judge_frame(HARD, paths, Claim.OPTIMAL)
 
-    assert (found.verdict == VERDICTS.index(Verdict.OPTIMAL)).all()
-    assert not found.false_claim.any()
+    assert (judgements.verdict == VERDICTS.index(Verdict.OPTIMAL)).all()
+    assert not judgements.false_claim.any()
     ordinary = (HARD["heading"].abs() < LARGEST_ANGLE).sum()
     assert len(calls) < N - ordinary + N / 100
 
@@ -333,10 +333,10 @@ def test_a_longer_path_of_a_tie_is_in_the_right_basin():
     behind = Scenario(0, 0, 0, -1, 0, 1)
     paths = [shortest_path(replace(behind, radius=1.1), word) for word in ("LS", "RS")]
     controls = (np.array([getattr(p, name) for p in paths]).T for name in ("curvatures", "lengths"))
-    found = judge_frame(scenario_frame([behind, behind]), Paths(*controls))
+    judgements = judge_frame(scenario_frame([behind, behind]), Paths(*controls))
 
-    assert [VERDICTS[code] for code in found.verdict] == [Verdict.LONGER] * 2
-    assert not found.wrong_basin.any()
+    assert [VERDICTS[code] for code in judgements.verdict] == [Verdict.LONGER] * 2
+    assert not judgements.wrong_basin.any()
     assert not any(judge(behind, path).wrong_basin for path in paths)
 
 
@@ -389,15 +389,15 @@ def test_a_frame_of_poses_says_of_each_row_what_the_check_says(branch):
 
     for row, scenario in enumerate(scenarios_of(frame)):
         path = answers.path(row, scenario)
-        found = judge(scenario, path, CLAIMS[claims[row]], branch)
-        assert VERDICTS[rows.verdict[row]] is found.verdict, (row, scenario)
-        assert rows.false_claim[row] == found.false_claim, (row, scenario)
-        assert rows.wrong_basin[row] == found.wrong_basin, (row, scenario)
+        judgement = judge(scenario, path, CLAIMS[claims[row]], branch)
+        assert VERDICTS[rows.verdict[row]] is judgement.verdict, (row, scenario)
+        assert rows.false_claim[row] == judgement.false_claim, (row, scenario)
+        assert rows.wrong_basin[row] == judgement.wrong_basin, (row, scenario)
         for name in ("word", "reference_word"):
             code = int(getattr(rows, name)[row])
             text = None if code == NO_WORD else LEG_WORDS[code]
-            assert text == getattr(found, name), (row, scenario, name)
-        size = scenario.extent + scenario.radius + (found.length or 0.0)
+            assert text == getattr(judgement, name), (row, scenario, name)
+        size = scenario.extent + scenario.radius + (judgement.length or 0.0)
         # next to the edge of a word's reach lengths are known to a root of the rounding
         units = {
             "length": 1e-14 * size,
@@ -406,7 +406,7 @@ def test_a_frame_of_poses_says_of_each_row_what_the_check_says(branch):
             "reference": 1e-7 * size,
         }
         for name, allowed in units.items():
-            expected = getattr(found, name)
+            expected = getattr(judgement, name)
             value = float(getattr(rows, name)[row])
             if expected is None:
                 assert math.isnan(value), (row, scenario, name)
@@ -463,9 +463,9 @@ def test_targets_that_rounding_hides_are_met(X, Y):
     """
     for branch in BRANCHES:
         for target in (Local(X, Y, 4e-15), Local(X, -Y, 4e-15)):
-            found = shortest_local(target, branch)
-            if found is not None:
-                path = as_path(unit(0, 0).start, 1.0, found.word, found.segments)
+            optimum = shortest_local(target, branch)
+            if optimum is not None:
+                path = as_path(unit(0, 0).start, 1.0, optimum.word, optimum.segments)
                 off = math.hypot(path.end.x - target.X, path.end.y - target.Y)
                 # the root of a rounding of 4e-15 is 6e-8; the verdict allows 1e-6
                 assert off < 2e-7, (branch, target)
