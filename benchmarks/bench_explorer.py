@@ -88,12 +88,13 @@ def measure() -> Iterable[Measurement]:
         for name, repeats in drags(address, program):
             moves = len(repeats[0].painted)
             least = np.min([times.painted for times in repeats], axis=0).max()
+            target = TOUR_MS if DRAGS[name] is TOURS else FRAME_MS
             yield Measurement(
                 f"explorer: {moves} moves of the {name}, the slowest until it is painted",
                 ours=least,
                 unit="ms",
                 ratio=least,
-                target=TOUR_MS if DRAGS[name] is TOURS else FRAME_MS,
+                target=target,
                 note=f"ms: median, 99 %, most. {summary(repeats)}",
             )
 

@@ -103,7 +103,8 @@ def measure_engine(engine: str, repeats: int = 5) -> EngineFigures:
                     if turn == 0:
                         judgement = judge(scenario, solution.path, solution.claim)
                         failures += solution.claim is not Claim.LOCAL
-                        gaps[name].append(math.inf if judgement.gap is None else judgement.gap)
+                        gap = math.inf if judgement.gap is None else judgement.gap
+                        gaps[name].append(gap)
             if turn:
                 step = sum(spent) / len(reported)
                 passes.append((step, fmean(asked), fmean(reported), len(reported)))
@@ -131,7 +132,9 @@ def measure() -> Iterable[Measurement]:
     """
     for engine in names(QP):
         quick = engine in ("piqp", "clarabel")
-        figures = measure_engine(engine, sized(5, 1) if quick else 1)
+        repeats = sized(5, 1) if quick else 1
+        target = TARGET_MS if quick else None
+        figures = measure_engine(engine, repeats)
         gaps = f"gap {figures.outside_gap:.1e} outside, {figures.disc_gap:.1e} in discs"
         # cvxpy's interfaces to the other two set the engine up anew for every QP
         yield Measurement(
@@ -140,7 +143,7 @@ def measure() -> Iterable[Measurement]:
             peer=figures.engine_ms,
             unit="ms/QP",
             ratio=figures.overhead_ms,
-            target=TARGET_MS if quick else None,
+            target=target,
             note=f"ours - peer, ms; {figures.step_ms:.2f} ms a step of the sequence, with rollouts "
             f"and corrections; {figures.median_ms:.0f} ms a scenario; {gaps}; "
             f"{figures.failures} not local",

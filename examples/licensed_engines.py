@@ -115,11 +115,12 @@ def run_gurobi(
     name = names[model.Status]
     unnamed = Claim.FAILED if point is None else Claim.FEASIBLE
     claim = GUROBI_CLAIMS.get(name, unnamed)
+    bound = math.inf if claim is Claim.INFEASIBLE else float(model.ObjBound)
     status = name.lower().replace("_", " ")
     return ProvenResult(
         point,
         claim,
-        bound=math.inf if claim is Claim.INFEASIBLE else float(model.ObjBound),
+        bound=bound,
         nodes=int(model.NodeCount),
         iterations=int(model.IterCount),
         status=status,

@@ -73,11 +73,12 @@ def family(kind: str) -> str:
     if chosen.empty:
         raise LookupError(f"no rows; choose one of: {', '.join(sorted(set(cells['kind'])))}")
     formulations = [name for name in FORMULATIONS if name in set(chosen["formulation"])]
-    text = {
-        (row["engine"], row["formulation"]): f"{percent(row['right_share'])} %"
-        f"{'*' if row['few'] else ''}, {_three(1e3 * row['wall_s'])} ms"
-        for row in chosen.to_dict("records")
-    }
+    text = {}
+    for row in chosen.to_dict("records"):
+        star = "*" if row["few"] else ""
+        share = f"{percent(row['right_share'])} %{star}"
+        milliseconds = _three(1e3 * row["wall_s"])
+        text[row["engine"], row["formulation"]] = f"{share}, {milliseconds} ms"
     engines = list(dict.fromkeys(chosen["engine"]))
     rows = [[e, *(prose(text.get((e, name), "–")) for name in formulations)] for e in engines]
     return table(("engine", *formulations), rows)

@@ -78,7 +78,9 @@ def _default(value: Any) -> str:
         return "–"
     if isinstance(value, list):
         return code(str(value).replace("'", '"'))
-    return code(str(value).lower() if isinstance(value, bool) else value)
+    if isinstance(value, bool):
+        return code(str(value).lower())
+    return code(value)
 
 
 def _kind(schema: dict[str, Any]) -> str:

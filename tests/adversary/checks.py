@@ -198,7 +198,8 @@ def answer(table: Table, asked: Answer, truth: Truth, rng: np.random.Generator) 
         truth.refine(rng)
         below, right, wrong = _compared(truth, branch, length)
     if accepted and below:
-        table.note("verdict", wrong if optimal else right, line)
+        is_wrong = wrong if optimal else right
+        table.note("verdict", is_wrong, line)
     is_proved = certificate.proof is Proof.PROVED
     table.note("proved", is_proved and (arrives is False or wrong), line)
     if residual is not None and cut is not None and residual <= 1e-7 and cut >= 1e-9:
@@ -256,7 +257,8 @@ def _compared(truth: Truth, branch: str, length: arb) -> tuple[bool, bool, bool]
     reference = greatest(below) if below else length
     allowed = TOLERANCES.gap * float(greatest((reference, arb(1))))
     # a length that is hardly below some of the truth is as right as one that is hardly above
-    apart = min(float(length - reference) if below else math.inf, float(outside(length, hulls)))
+    excess_length = float(length - reference) if below else math.inf
+    apart = min(excess_length, float(outside(length, hulls)))
     room = _SPREAD * max((float(high - low) for low, high in hulls), default=0.0)
     return bool(below), apart <= allowed / _CLOSE, apart > allowed * _CLOSE + room
 
@@ -314,7 +316,8 @@ def _scan(truth: Truth) -> float:
         exact = truth.exact[word]
         length = searched[word]
         if exact is None:
-            worst = max(worst, 0.0 if math.isinf(length) else math.inf)
+            if not math.isinf(length):
+                worst = math.inf
         else:
             worst = max(worst, abs(float(exact) - length) / max(1.0, float(exact)) * 1e9)
     return worst

@@ -186,7 +186,8 @@ def _apart(pairs: dict[str, tuple[float, float | None, float]]) -> float:
     worst = 0.0
     for frame, scalar, unit in pairs.values():
         if scalar is None or math.isnan(frame):
-            worst = max(worst, 0.0 if scalar is None and math.isnan(frame) else math.inf)
+            if scalar is not None or not math.isnan(frame):
+                worst = math.inf
         elif frame != scalar:
             worst = max(worst, abs(frame - scalar) / max(unit, abs(scalar)))
     return worst

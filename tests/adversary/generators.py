@@ -76,7 +76,8 @@ def placed(
     are moved by up to 1000 ulp in each coordinate.
     """
     if heading is None:
-        heading = float(rng.choice(_ROUND) if rng.random() < 0.15 else rng.uniform(-7, 7))
+        is_round = rng.random() < 0.15
+        heading = float(rng.choice(_ROUND)) if is_round else float(rng.uniform(-7, 7))
     x, y = (rng.uniform(-box, box, 2) * radius).tolist()
     scenario = cases.placed(X, Y, x, y, heading, radius)
     if rng.random() < ulps:
@@ -131,9 +132,11 @@ def tops(rng: Rng) -> Scenario:
 def start(rng: Rng) -> Scenario:
     if rng.random() < 0.4:
         return placed(rng, 0.0, 0.0, box=power(rng, -3, 9), ulps=1)
-    sizes = 10 ** rng.uniform(-18 if rng.random() < 0.7 else -300, -1, 2)
+    smallest = -18 if rng.random() < 0.7 else -300
+    sizes = 10 ** rng.uniform(smallest, -1, 2)
     X, Y = (sizes * rng.choice((-1, 0, 1, 1), 2)).tolist()
-    return placed(rng, X, Y, box=0.0 if rng.random() < 0.7 else power(rng, -18, 0))
+    box = 0.0 if rng.random() < 0.7 else power(rng, -18, 0)
+    return placed(rng, X, Y, box=box)
 
 
 def denormal(rng: Rng) -> Scenario:

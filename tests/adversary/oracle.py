@@ -135,7 +135,8 @@ def paths(target: acb, word: str, driven: bool = False) -> list[Pieces]:
     """
     find, mirror = _FIND[word]
     results: list[Pieces] = []
-    for pieces in find(target.conjugate() if mirror else target):
+    point = target.conjugate() if mirror else target
+    for pieces in find(point):
         pieces = [(-k, s) if mirror else (k, s) for k, s in pieces]
         if driven:
             off = drive(pieces)[0] - target

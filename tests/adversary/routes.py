@@ -188,7 +188,8 @@ def attacked(asked: Asked, rng: Rng) -> float:
     legs = np.diff(asked.points, axis=0)
     every = np.arange(_FINE) * (2 * math.pi / _FINE) - math.pi
     ends = [np.array([asked.first]), *[None] * (len(legs) - 1)]
-    ends.append(None if asked.last is None else np.array([asked.last]))
+    last = None if asked.last is None else np.array([asked.last])
+    ends.append(last)
     free = np.array([end is None for end in ends])
     grid = [every[::_EACH] if end is None else end for end in ends]
     coarse = program(legs, grid)
@@ -212,7 +213,8 @@ def attacked(asked: Asked, rng: Rng) -> float:
     for place in range(_STARTS - len(starts)):
         off = rng.normal(size=free.size) * 10 ** rng.uniform(-3, 0)
         anywhere = rng.uniform(-math.pi, math.pi, free.size)
-        starts.append(np.where(free, best + off if place % 2 else anywhere, best))
+        start = best + off if place % 2 else anywhere
+        starts.append(np.where(free, start, best))
     lengths = [downhill(legs, start, free, rng, (0.1, 0.03)) for start in starts]
     finished = {round(lengths[k], 6): starts[k] for k in np.argsort(lengths)[::-1]}
     least = min(float(fine.through[0].min()), *lengths)

@@ -86,7 +86,8 @@ def explorer(new_tab: Any, explorer_address: str) -> Any:
 
     def opened(text: str = "", **options: Any) -> Page:
         page: Page = new_tab(**options)
-        page.goto(f"{explorer_address}#explore={text}" if text else explorer_address)
+        place = f"#explore={text}" if text else ""
+        page.goto(f"{explorer_address}{place}")
         return page
 
     return opened

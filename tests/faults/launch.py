@@ -61,10 +61,10 @@ class Started(NamedTuple):
             code = self.process.wait(PATIENCE)
         except subprocess.TimeoutExpired:
             trees = [f"{p.pid} {p.ppid()} {p.status()}" for p in alive(self.mark)]
-            raise AssertionError(f"the run hangs\n{self.said(1)}\n{trees}") from None
-        return Ended(code, self.said(0), self.said(1), left_behind(self.mark))
+            raise AssertionError(f"the run hangs\n{self.printed(1)}\n{trees}") from None
+        return Ended(code, self.printed(0), self.printed(1), left_behind(self.mark))
 
-    def said(self, stream: int) -> str:
+    def printed(self, stream: int) -> str:
         """Text printed so far; 0 is stdout, 1 stderr."""
         file = self.streams[stream]
         return os.pread(file.fileno(), 2**24, 0).decode(errors="replace")
@@ -116,7 +116,7 @@ def until(condition: Callable[[], Any], run: Started | None = None) -> Any:
     give_up = time.monotonic() + PATIENCE
     while not (value := condition()):
         if run is not None and run.process.poll() is not None:
-            raise AssertionError(f"the run ended early:\n{run.said(1)}")
+            raise AssertionError(f"the run ended early:\n{run.printed(1)}")
         assert time.monotonic() < give_up
         time.sleep(0.02)
     return value

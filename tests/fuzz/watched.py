@@ -40,7 +40,7 @@ def temporary_files_in(folder: Path) -> Iterator[None]:
     scratch.rmdir()
 
 
-class Said(NamedTuple):
+class CommandResult(NamedTuple):
     """How a command ended, and what it printed."""
 
     code: int
@@ -48,7 +48,7 @@ class Said(NamedTuple):
     err: str
 
 
-def command(*arguments: str) -> Said:
+def command(*arguments: str) -> CommandResult:
     """Run `dubins-study` in this process.
 
     Its streams are as strict as a terminal's.
@@ -72,7 +72,9 @@ def command(*arguments: str) -> Said:
     finally:
         sys.argv, sys.stdout, sys.stderr = original
     out, err = (stream.getvalue().decode("utf-8") for stream in streams)
-    return Said(0 if code is None else code, out, err)
+    if code is None:
+        code = 0
+    return CommandResult(code, out, err)
 
 
 def raw_controls(text: str) -> set[str]:

@@ -181,7 +181,8 @@ def attempts_of(
     whole = rows.drop(columns=["repeat", "answerable"], errors="ignore").reset_index(drop=True)
     whole = whole.assign(**{name: v for name, v in _CELL.items() if name not in whole})
     whole = whole.astype(object).where(whole.notna(), None).assign(repeat=rows.index)
-    number = pd.Series(0 if parts is None else parts, index=whole.index)
+    part_numbers = 0 if parts is None else parts
+    number = pd.Series(part_numbers, index=whole.index)
     folders = []
     for name, experiment_rows in whole.groupby("experiment", sort=False):
         records = experiment_rows.drop(columns="experiment").to_dict("records")
