@@ -66,7 +66,7 @@ def number(text: str) -> float:
 
 
 def centre(page: Page, name: str) -> tuple[float, float]:
-    """Where a handle is on the screen."""
+    """Position of a handle on the screen."""
     page.locator(".explorer-stage").scroll_into_view_if_needed()
     box = page.locator(f".handle.{name} .knob").bounding_box()
     return box["x"] + box["width"] / 2, box["y"] + box["height"] / 2

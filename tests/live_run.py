@@ -90,7 +90,7 @@ def interpreted(
 
 
 def output(done: subprocess.CompletedProcess[str]) -> str:
-    """What is printed by what must succeed."""
+    """Output of a command that must succeed."""
     assert done.returncode == 0, done.stdout + done.stderr
     return done.stdout
 

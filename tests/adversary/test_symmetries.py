@@ -78,7 +78,10 @@ def test_mirror_turn_scale_and_shift_leave_the_length(pair):
 
 @given(routes(), ANGLES)
 def test_reversal_in_time_leaves_the_length(scenario, last):
-    """With both headings given."""
+    """Reversal in time leaves the length.
+
+    Both headings are given.
+    """
     first = scenario.heading
     back = through(scenario.points[::-1], last + math.pi, first + math.pi)
     compared(replace(scenario, final_heading=last), back)

@@ -53,7 +53,10 @@ def checked_by_all_orders(seed: int, points: int) -> None:
 @pytest.mark.many(12)
 @pytest.mark.parametrize("seed", range(SMALL))
 def test_few_points_are_those_of_the_best_order(seed: int) -> None:
-    """Of every kind of ends, in three densities."""
+    """Few points are visited in the best order.
+
+    There are all kinds of ends, in three densities.
+    """
     checked_by_all_orders(seed, 2 + seed % 3)
 
 
@@ -113,7 +116,10 @@ def test_points_in_another_order_are_the_same_tour(kind: str) -> None:
 @pytest.mark.many(4)
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_point_on_the_best_tour_leaves_the_length(kind: str) -> None:
-    """With the heading there or without it."""
+    """A point on the best tour leaves the length.
+
+    It has its heading there, or none.
+    """
     rng = np.random.default_rng((KINDS.index(kind), 4))
     scenario = drawn(rng, kind, 5, 14.0)
     tour = tour_of(scenario)
@@ -129,7 +135,10 @@ def test_a_point_on_the_best_tour_leaves_the_length(kind: str) -> None:
 @pytest.mark.smoke
 @pytest.mark.parametrize("seed", range(3))
 def test_a_closed_tour_is_as_long_the_other_way_round(seed: int) -> None:
-    """With all headings turned by half a turn."""
+    """A closed tour is as long when reversed.
+
+    All headings are turned by half a turn.
+    """
     rng = np.random.default_rng((seed, 5))
     scenario = drawn(rng, "closed", 5, 12.0)
     headed = replace(scenario, via=[(*scenario.via[0], 1.0), *scenario.via[1:]])

@@ -236,7 +236,7 @@ def numbers(page: Any) -> list[str]:
 
 
 def place(page: Any) -> str:
-    """What the page says about its answer."""
+    """The sentence of the page about its answer."""
     text: str = page.locator("[data-answer=place]").inner_text()
     return text
 

@@ -323,7 +323,7 @@ def test_no_panel_of_the_front_is_off_a_phones_screen(new_tab, benchmark_page: P
 
 @pytest.mark.slow
 def test_the_front_prints_on_few_sheets(new_tab, benchmark_page: Path):
-    """What is folded stays folded on paper."""
+    """Folded parts stay folded on paper."""
     page = new_tab()
     page.goto(benchmark_page.as_uri())
     page.wait_for_function("window.explorer")

@@ -1,4 +1,4 @@
-"""What the row of each hostile plug-in must say."""
+"""The expected row of each hostile plug-in."""
 
 from typing import NamedTuple
 

@@ -41,7 +41,7 @@ class Endless(Analytic):
 
 
 class LoopInC(Endless):
-    """Its handlers, which are in Python, never run."""
+    """Handlers in Python that never run."""
 
     def hang(self):
         signal.signal(signal.SIGTERM, lambda *_: None)

@@ -24,7 +24,10 @@ def called(*arguments):
 
 @pytest.mark.slow
 def test_the_new_solver_passes_as_it_is():
-    """Its longer paths in the discs are notes."""
+    """The new solver passes as it is.
+
+    Its longer paths in the discs are notes.
+    """
     assert called("new", "solver", "my_solver.py").exit_code == 0
 
     checked = called("check-solver", "my_solver.py:MySolver", "--json")

@@ -186,7 +186,7 @@ def test_a_run_killed_before_its_first_manifest_leaves_a_folder_that_can_be_used
 
 
 def test_a_file_that_cannot_be_finished_leaves_nothing(tmp_path):
-    """What was at its place stays."""
+    """An unfinished file leaves the old one."""
     final = tmp_path / "manifest.json"
     final.write_text("old")
 

@@ -108,7 +108,7 @@ def interrupted(*arguments: str, after: Path):
 
 @pytest.mark.slow
 def test_after_a_fresh_run_the_same_command_would_throw_away(experiment, tmp_path):
-    """So the message names the other one."""
+    """The message names the command that resumes."""
     out = tmp_path / "out"
     code, _, err = interrupted(
         *(experiment, "--out", str(out), "--repeats", "100", "--restart"),

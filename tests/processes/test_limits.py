@@ -290,7 +290,10 @@ def test_from_a_daemon_process(method):
 
 @pytest.mark.slow
 def test_from_a_script_without_a_main_guard():
-    """It is not run again in the worker."""
+    """A script without a guard runs once.
+
+    It is not run again in the worker.
+    """
     done = script(f"from dubins_study import *\nprint(solve({EASY!r}, {plugin('Repeats')!r}))")
 
     assert done.stdout.count("Answer(") == 1

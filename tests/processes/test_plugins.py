@@ -99,7 +99,7 @@ def beside(monkeypatch):
 
 
 def text_of(result) -> str:
-    """What a check says, in one line."""
+    """Text of a check's result, in one line."""
     return " ".join(f"{one.observed} {one.advice}" for one in result.findings)
 
 

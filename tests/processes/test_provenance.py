@@ -55,7 +55,10 @@ def test_the_governor_of_all_cores(tmp_path):
 
 
 def test_ipopt_inside_casadi_is_asked_itself():
-    """Against the name of the library's own file."""
+    """Ipopt inside casadi names its own version.
+
+    The name of the library's own file has it too.
+    """
     import casadi
 
     names = [file.name for file in Path(casadi.__file__).parent.glob("libipopt.so.3.*")]
@@ -72,7 +75,10 @@ def test_scip_inside_pyscipopt_is_asked_itself():
 
 
 def test_rows_hold_the_libraries_versions(tmp_path):
-    """Those of the worker that solved them."""
+    """Rows hold their libraries' versions.
+
+    The libraries are those of the worker that solved them.
+    """
     folder = run(str(quick_experiment(tmp_path, 2, 'ipopt", "analytic')), tmp_path / "out")
     rows = read_rows(folder, ["versions"]).to_pylist()
     by_solver = {row["solver"]: json.loads(row["versions"]) for row in rows}

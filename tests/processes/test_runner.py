@@ -57,7 +57,10 @@ def small(tmp_path):
 
 @pytest.fixture(scope="module")
 def original(tmp_path_factory):
-    """Its finished run, which no test changes."""
+    """Folder of a finished run.
+
+    No test changes it.
+    """
     file = tmp_path_factory.mktemp("original") / "small.toml"
     file.write_text(SMALL)
     return run(str(file), file.parent / "out")

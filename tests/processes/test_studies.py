@@ -24,7 +24,7 @@ from dubins_study.report.topics.ladder import rungs
 
 
 def asked(text, folder):
-    """What is loaded of an experiment of this text."""
+    """Loaded results of an experiment of this text."""
     file = folder / "asked.toml"
     file.write_text(text, encoding="utf-8")
     return load([run(str(file), folder / "out")])

@@ -253,7 +253,7 @@ def _covers(pattern: str, room: str) -> bool:
 
 
 def promise(room: str) -> str:
-    """What the first paragraph of a room's docstring says."""
+    """First paragraph of a room's docstring."""
     file = PACKAGE.joinpath(*room.split(".")) if room else PACKAGE
     file = file / "__init__.py" if file.is_dir() else file.with_suffix(".py")
     text = ast.get_docstring(ast.parse(file.read_text(encoding="utf-8"))) or ""
@@ -273,7 +273,7 @@ def circle(graph: dict[str, set[str]]) -> list[str]:
 
 
 def sizes() -> dict[str, Size]:
-    """What the rooms of `BUDGETS` hold."""
+    """Sizes of the rooms of `BUDGETS`."""
     folders = {room: PACKAGE / room for room in BUDGETS} | {"package": PACKAGE, "tests": TESTS}
     return {room: size_of(folder.rglob("*.py")) for room, folder in folders.items()}
 

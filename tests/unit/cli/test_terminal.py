@@ -119,7 +119,10 @@ def test_a_table_fits(width, monkeypatch):
 
 
 def test_without_a_terminal_a_row_is_a_line(monkeypatch):
-    """For programs that read it."""
+    """Without a terminal a row is a line.
+
+    Programs read it.
+    """
     monkeypatch.delenv("COLUMNS", raising=False)
     assert len(table(HEAD, ROWS).splitlines()) == 2 + len(ROWS)
 

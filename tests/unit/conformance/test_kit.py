@@ -572,7 +572,10 @@ def test_a_check_alone_does_not_pass_what_was_not_answered(kind, check):
 
 
 def test_a_false_bound_is_found_where_it_is_given():
-    """Also one that is false in the discs only."""
+    """A false bound is found.
+
+    It may be false in the discs only.
+    """
     report = checked(Bounding)
 
     assert failed(report) == {"discs", "circles"}

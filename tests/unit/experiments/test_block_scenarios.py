@@ -55,7 +55,10 @@ def test_a_block_has_as_many_scenarios_as_its_size_says(name):
 
 
 def test_a_name_is_the_hash_of_doubles_and_label():
-    """By hand, with another packing."""
+    """A name is the hash of doubles and label.
+
+    The hash is computed by hand, with another packing.
+    """
     import hashlib
 
     scenario = Scenario(1, -0.0, 0.1, 3, 4, 2, label="ß")
@@ -204,7 +207,7 @@ def test_every_spacing_may_be_named(name):
 
 
 def test_a_final_heading_may_be_sampled():
-    """As every other field over a range."""
+    """A final heading is sampled like other fields."""
     ranges = {"bearing": {"linear": [0, 6]}, "final_heading": {"linear": ["-90deg", "90deg"]}}
     sample = {"method": "sobol", "count": 64, "seed": 1, "ranges": ranges}
     made = list(scenarios(Block.model_validate({"distance": 3, "sample": sample}), "b"))

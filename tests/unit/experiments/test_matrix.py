@@ -16,7 +16,10 @@ def entries():
 
 
 def test_every_formulation_has_every_engine(entries):
-    """What needs no engine has one line together."""
+    """Every formulation has every engine.
+
+    Formulations without an engine have one line together.
+    """
     engines = {entry.engine for entry in entries if entry.kind != EXACT}
     posed = [entry for entry in entries if entry.kind != EXACT]
 

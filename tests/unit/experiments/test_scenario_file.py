@@ -48,7 +48,7 @@ def refusal_of(file):
 
 
 def test_rows_that_repeat_are_counted(tmp_path, caplog):
-    """They are asked once, and that is said."""
+    """Rows that repeat are asked once, and counted."""
     file = written(tmp_path, f"{HEAD}1,2,0,0,0,1,,1\n1,2,0,0,0,1,,1\n1,3,0,0,0,1,,1\n")
 
     assert len(read_scenarios(file)) == 3
@@ -379,7 +379,10 @@ def test_files_with_other_routes_have_another_comment(tmp_path):
 
 
 def test_an_experiment_without_scenarios_is_asked_about_a_file(tmp_path):
-    """Its own are optional then."""
+    """An experiment may lack scenarios.
+
+    A file has them then.
+    """
     (tmp_path / "mine.toml").write_text('title = "t"\nquestion = "q"\nsolvers = ["analytic"]\n')
     plan = plan_run(Request(tmp_path / "mine.toml", scenarios=written(tmp_path, GOOD)))
 

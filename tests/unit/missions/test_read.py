@@ -318,7 +318,10 @@ WRONG = {
 
 @pytest.mark.parametrize("name", WRONG)
 def test_a_wrong_file_meets_one_line(name, mission_of, tmp_path):
-    """It names the file and what is wrong there."""
+    """A wrong file gives one line.
+
+    It names the file and what is wrong there.
+    """
     text, message = WRONG[name]
     with pytest.raises(DubinsStudyError) as refusal:
         mission_of(text)
@@ -340,7 +343,10 @@ def test_a_file_that_is_not_there(tmp_path):
 
 
 def test_columns_are_named_by_place(mission_of):
-    """With or without a header, which is passed over."""
+    """Columns may have a header or none.
+
+    A header is passed over where columns are named by place.
+    """
     rows = "A,11.5,9,48.1\nB,11.51,9,48.1\n"
     for text in (rows, f"p,q,r,s\n{rows}"):
         mission = mission_of(text, columns=("name", "lon", "-", "lat"))
@@ -570,7 +576,10 @@ def test_what_another_writer_writes_is_read_back(written, places, data, tmp_path
 
 
 def test_a_takeoff_and_a_landing_at_home_are_no_points_to_pass(mission_of):
-    """As planners write them; elsewhere they are places."""
+    """Takeoffs and landings at home are no points.
+
+    Planners write them; elsewhere they are places.
+    """
     home = [52.0, 10.0, 0]
     places = [(22, 52.0, 10.0), (16, 52.01, 10.0), (21, 52.0, 10.0), (21, 52.02, 10.0)]
     items = [

@@ -92,7 +92,10 @@ def test_every_cell_to_40_digits(found):
 
 
 def test_the_closed_form_in_doubles_agrees(found):
-    """To a hundred roundings of a double."""
+    """The closed form in doubles agrees.
+
+    It does to a hundred roundings of a double.
+    """
     for cell in found["cells"]:
         problem = PROBLEMS[cell["label"]]
         path = shortest_path(problem.scenario, cell["word"])

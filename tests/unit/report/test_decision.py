@@ -121,7 +121,10 @@ def test_a_report_without_a_benchmark_answers_too_and_a_benchmark_alone(results)
 
 
 def test_a_report_without_anything_to_compare_says_so(results):
-    """Only warm attempts, or one solver."""
+    """Reports without a comparison say so.
+
+    They have only warm attempts, or one solver.
+    """
     scenarios = paper_scenarios()[:2]
     warm = _section([results("warm", [attempt(s, initial_guess="warm") for s in scenarios])])
     only = _section([results("only", [attempt(s) for s in scenarios])])
@@ -188,7 +191,10 @@ def test_it_is_named_by_its_own_name(load_rows):
 
 
 def test_it_stands_first(load_rows):
-    """In tables of methods, and of solvers."""
+    """It stands first in tables.
+
+    They are tables of methods, and of solvers.
+    """
     results = load_rows("mine", rows(ENOUGH_TO_CHOOSE, MINE))
     (decided, *_) = decision_section(results).blocks
 

@@ -187,7 +187,10 @@ def test_bars_of_all_columns_have_one_length():
 @pytest.mark.filterwarnings("error:constrained_layout")
 @pytest.mark.parametrize("narrow", [False, True])
 def test_a_single_bar_has_room_beside_its_legend(narrow):
-    """As on the page of one solver."""
+    """A single bar has room beside its legend.
+
+    A page of one solver has such a bar.
+    """
     table = pd.DataFrame({"formulation": ["turn rates"], "short": ["Ipopt"], "note": ["1 ms"]})
     for mark in MARKS:
         table[mark.key] = 1 / len(MARKS)

@@ -23,7 +23,7 @@ def target(arc, margin):
 
 
 def row(scenario, solver, path="exact", **changes):
-    """With the bounds that a certificate would hold."""
+    """A row with the bounds of a certificate."""
     optimum = shortest(scenario).total
     bounds = {"reference_low": optimum * (1 - 1e-15), "reference_high": optimum * (1 + 1e-15)}
     return attempt(scenario, solver, path=path, claim=Claim.LOCAL, **(bounds | changes))

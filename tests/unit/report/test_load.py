@@ -44,7 +44,10 @@ def test_a_cell_that_two_folders_hold_counts_once(tmp_path, results):
 
 
 def test_a_folder_of_results_folders_stands_for_them(tmp_path):
-    """As `results/benchmark`, whose suites are folders of their own."""
+    """A folder of results folders stands for them.
+
+    `results/benchmark` is one: its suites are folders of their own.
+    """
     one, two, three = paper_scenarios()[:3]
     first = write_folder(tmp_path / "suites" / "a", "leg", [attempt(one)])
     second = write_folder(tmp_path / "suites" / "b", "pose", [attempt(two), attempt(three)])

@@ -72,7 +72,7 @@ def test_times_of_another_machine_rank_nothing(folders):
 
 
 def test_times_of_another_machine_are_shown(folders):
-    """With each attempt."""
+    """Each attempt shows another machine's time."""
     shown = sample(load(folders), most=1000).groupby("solver")["wall_s"].median()
 
     assert shown.to_dict() == {"slsqp": SLOW_S, "ipopt": RIVAL_S, "shooting": QUICK_S}

@@ -157,7 +157,10 @@ def test_whole_percents_say_all_only_of_all(share, expected):
 
 
 def test_a_share_of_nothing_is_a_dash():
-    """With the interval that says that nothing is known."""
+    """A share of nothing is a dash.
+
+    Its interval says that nothing is known.
+    """
     frame = with_share(pd.DataFrame({"n": [0]}), "x", pd.Series([0.0]), pd.Series([0]))
 
     assert frame["x_text"].tolist() == ["–"]

@@ -35,7 +35,10 @@ def drawn_boxes(figure):
 
 @pytest.mark.parametrize("heading", ["30deg", "120deg", "-90deg", "180deg"])
 def test_names_cross_neither_the_path_nor_an_axis_line(heading):
-    """Of few points with room around them."""
+    """Names of few points cross no line.
+
+    The points have room around them.
+    """
     asked = Scenario(0, 0, heading, 10, 5, via=[(4, 1), (6, -2)], final_heading="90deg")
     answer = solve(asked)
     figure = plot_path(answer, names=["mill", "oak", "long home"])

@@ -103,7 +103,10 @@ def test_the_machine_is_taken_out_by_solvers_of_the_same_code(results):
 
 
 def test_no_solver_is_slower_where_every_solver_changed(results):
-    """Then nothing says what the machine did."""
+    """No solver is slower if all have changed.
+
+    Then nothing says what the machine did.
+    """
     without = compare(results("c", rows(time=1e-3)), results("d", rows(digest=NEW, time=9e-3)))
 
     assert without.speed is None

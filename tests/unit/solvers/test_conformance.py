@@ -1,4 +1,7 @@
-"""What every registered solver must do, whatever its method."""
+"""Rules for every registered solver.
+
+Its method does not matter.
+"""
 
 import math
 from dataclasses import replace

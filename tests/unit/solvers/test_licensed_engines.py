@@ -183,7 +183,10 @@ INSTALLED = [name for name, package in PACKAGES.items() if importlib.util.find_s
 @pytest.mark.parametrize("engine", INSTALLED)
 @pytest.mark.parametrize("model", ["joint", "words"])
 def test_where_it_is_installed_it_proves_the_optimum(engine, model, capfd):
-    """With the size-limited licence of its wheel, in silence."""
+    """An installed engine proves the optimum.
+
+    It has the size-limited licence of its wheel, and is silent.
+    """
     solver = load(spec("GlobalNlp", engine=engine, model=model, gap=1e-4, feastol=1e-6))
     answer = attempt(solver, Question(Scenario(0, 0, 0, 3, 2, 1)), 20.0)
 

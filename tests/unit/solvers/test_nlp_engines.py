@@ -73,7 +73,10 @@ weights = st.tuples(st.floats(-3, 3), st.floats(-3, 3)).map(np.array)
     **{"z": lengths, "weights": weights, "X": st.floats(-9, 9), "Y": st.floats(-9, 9)},
 )
 def test_the_written_functions_are_those_of_the_expressions(name, z, weights, X, Y):
-    """By hand and by casadi's derivatives."""
+    """Written functions are those of the expressions.
+
+    They are compared by hand and by casadi's derivatives.
+    """
     given_case = case(name, Scenario(0, 0, 0, X, Y, 1))
     posed = program(given_case)
     x = z[list(given_case.subproblem.free)]

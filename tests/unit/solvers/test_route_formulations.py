@@ -239,7 +239,10 @@ def best_of_grid(scenario, count):
 
 @pytest.mark.parametrize("scenario", [FREE, NEAR], ids=["free", "given"])
 def test_the_program_of_known_words_is_the_joint_one_without_the_other_arcs(scenario):
-    """Its equations hold on the grid's path."""
+    """The program of known words is a joint one.
+
+    It is the joint program without the other arcs. Its equations hold on the grid's path.
+    """
     route = route_of(scenario)
     known = best_of_grid(scenario, 24)
     places = joint.word_places(route, known)
@@ -258,7 +261,10 @@ def test_the_program_of_known_words_is_the_joint_one_without_the_other_arcs(scen
 
 
 def test_every_solver_takes_routes_or_the_documentation_says_why_not():
-    """By name, in the table of `docs/formulations/index.md`."""
+    """Every solver takes routes or is documented.
+
+    The table of `docs/formulations/index.md` names it.
+    """
     text = (Path(__file__).parents[3] / "docs/formulations/index.md").read_text()
     section = text.split("## Which take routes")[1].split("## Which one")[0]
     taking, table = section.split("| solver | why not |")
@@ -335,7 +341,10 @@ def test_entries_are_those_of_the_whole_derivatives(posed, low):
 
 @pytest.mark.parametrize("final", [None, 1.0])
 def test_derivatives_of_a_route_are_those_of_its_equations(final):
-    """Against central differences."""
+    """Derivatives of a route are those of its equations.
+
+    They are compared with central differences.
+    """
     random = np.random.default_rng(7)
     h = 1e-6
     scenario = replace(random_route(random, 5, 4.0, 8.0), final_heading=final)
@@ -557,7 +566,7 @@ def test_the_bound_is_of_the_grid_and_is_not_passed_off_as_the_scenarios():
 
 
 def test_every_engine_finds_the_same_optimum(capfd):
-    """In silence."""
+    """Every engine finds the same optimum in silence."""
     answer, highs = (attempt(HeadingMilp(name, 16), Question(FREE)) for name in ("scip", "highs"))
 
     assert answer.claim is highs.claim is Claim.LOCAL
@@ -615,7 +624,10 @@ def test_runs_from_several_guesses_are_counted_one_after_another():
 
 
 def test_a_trace_travels_with_its_reply():
-    """As plain values, path by path."""
+    """A trace travels with its reply.
+
+    It has plain values, path by path.
+    """
     reply = ask(load("headings[engine=nelder-mead,trace=true]"), Question(TRACED_ROUTE))
 
     sent = decode_reply(encode_reply(reply))

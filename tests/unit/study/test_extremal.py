@@ -140,7 +140,7 @@ def test_a_second_arc_of_half_a_turn_is_abnormal():
     ],
 )
 def test_what_is_no_extremal(curvature, length, least):
-    """Nor has it a cut."""
+    """Other paths have a residual and no cut."""
     path = Path(Pose(0, 0, 0.4), curvature, length)
 
     assert certified(path).pmp_residual > least
@@ -245,7 +245,10 @@ def route(seed: int, shortest: float, free: bool) -> Scenario:
 
 
 def length(*leg: float) -> float:
-    """Of a leg in x, y and both headings."""
+    """Length of a leg.
+
+    It is a function of x, y and both headings.
+    """
     return pose_shortest(*leg, 1e-15)[0]
 
 

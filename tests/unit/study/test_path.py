@@ -134,7 +134,7 @@ def test_chords_of_geojson_are_near_their_arcs(pieces, share):
 
 
 def _distance(point, line):
-    """From a point to a chain of segments."""
+    """Distance from a point to a chain of segments."""
     line = np.asarray(line)
     begin = line[:-1]
     along = np.diff(line, axis=0)

@@ -125,7 +125,10 @@ NO_NUMBERS = [
 @pytest.mark.parametrize(("value", "shown"), NO_NUMBERS, ids=[shown for _, shown in NO_NUMBERS])
 @pytest.mark.parametrize("field", ["x", "heading", "radius"])
 def test_what_is_no_number(field, value, shown):
-    """Only the heading may be a text."""
+    """Values that are no numbers are refused.
+
+    Only the heading may be a text.
+    """
     if field != "heading" or not isinstance(value, str):
         refused(rf"{field} is {shown}.*; expected a number", **{field: value})
 
@@ -436,7 +439,10 @@ def test_points_of_a_frame_are_its_columns_x_and_y():
 
 
 def test_stops_are_the_points_after_the_start():
-    """Only the last one may have a heading."""
+    """Stops are the points after the start.
+
+    Only the last one may have a heading.
+    """
     route = Scenario(target_x=9, target_y=0, via=[(4, 1), (6, -2)], final_heading=0.5)
 
     assert route.stops == ((4.0, 1.0, None), (6.0, -2.0, None), (9.0, 0.0, 0.5))

@@ -95,7 +95,10 @@ def test_the_distortion_is_that_of_a_short_length(latitude, far):
 
 
 def test_the_middle_of_places():
-    """Of a box, across the date line too."""
+    """Middle of a box of places.
+
+    The box may lie across the date line.
+    """
     assert middle_of([(11, 48), (12, 50), (11.2, 49)]) == TangentPlane(49.0, 11.5)
     across = middle_of([(179, 10), (-179.5, 12)])
     assert (across.latitude, across.longitude) == pytest.approx((11, 179.75))

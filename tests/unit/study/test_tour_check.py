@@ -176,7 +176,10 @@ def test_a_closed_path_ends_with_the_heading_of_its_start():
 
 
 def test_a_free_start_begins_at_its_place():
-    """With whatever heading; the judgement says which."""
+    """A free start begins at its place.
+
+    It may have any heading; the judgement says which.
+    """
     scenario = Scenario(1, 2, "free", 7, -3)
     answer = solve(scenario)
     away = math.atan2(-5, 6)

@@ -70,7 +70,7 @@ REFUSED = [
 
 @pytest.mark.parametrize(("values", "message"), REFUSED)
 def test_what_is_refused(values, message):
-    """With one sentence that names the field."""
+    """Refusals name the field in one sentence."""
     with pytest.raises(ScenarioError, match=f"^{message}") as error:
         Scenario(**values)
     assert len(str(error.value)) < 200
@@ -163,7 +163,10 @@ CELLS = [
 
 @pytest.mark.parametrize(("cell", "headings"), CELLS)
 def test_cells_of_headings_at_via_points(cell, headings):
-    """Beside a row without via points."""
+    """Cells of headings at via points.
+
+    A row without via points stands beside them.
+    """
     frame = pd.DataFrame([TARGET] * 2)
     for name, cells in {"via_x": "4 6", "via_y": "1 -2", "via_heading": cell}.items():
         frame[name] = pd.Series([cells, None], dtype=object)
@@ -286,7 +289,10 @@ def options_of(command):
 
 
 def test_a_command_states_the_question():
-    """Its text; `tests/unit/cli` runs commands."""
+    """Text of the command that asks the question.
+
+    `tests/unit/cli` runs commands.
+    """
     tour = Scenario(1, 2, "free", 9, -3, via=[(4, 1, 2), (6, -2), (7, 8, "90rad")], order="free")
     command = solve_command(scenario_row(tour) | {"solver": "analytic"})
     closed = solve_command(scenario_row(SCENARIOS["closed tour"]) | {"solver": "analytic"})

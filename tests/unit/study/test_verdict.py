@@ -243,7 +243,10 @@ def test_tolerances_decide():
 
 @given(scenarios())
 def test_margin_is_the_distance_to_the_nearer_circle(scenario):
-    """Against the distance computed in the world frame."""
+    """Margin is the distance to the nearer circle.
+
+    It is compared with the distance computed in the world frame.
+    """
     judgement = judge(scenario, None)
     x = scenario.x
     y = scenario.y
