@@ -2,12 +2,14 @@
 
 It is measured in Chromium.
 
-500 moves of each handle, by the browser's own input: of target, heading and radius of one leg, of a
-via point and the final heading of routes with five via points, and of a via point of tours with
-five. Three times are taken of each move: the handler's, with the layout that it causes; until the
-frame is painted, as the page itself sees it; and the CPU time of the page's thread until the next
-move, from the browser's trace, which knows nothing of what else runs on the machine (but holds some
-1 ms of the trace and the driver).
+The browser's own input moves each handle 500 times. The handles are target, heading and radius of
+one leg, a via point and the final heading of routes with five via points, and a via point of tours
+with five. Three times are taken of each move:
+
+* the handler's, with the layout that it causes;
+* until the frame is painted, as the page itself sees it;
+* the CPU time of the page's thread until the next move, from the browser's trace. Other programs on
+  the machine do not enter it, but some 1 ms of the trace and the driver does.
 
 The same moves are made three times. The least of the three is the move's own time, since what else
 runs only ever adds; the slowest of these is compared with a frame. Garbage is not collected at the

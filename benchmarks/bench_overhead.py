@@ -2,14 +2,15 @@
 
 Our harness stands beside benchopt and qpbenchmark.
 
-The same trivial solver (`benchmarks/overhead/trivial.py`, some ten microseconds of closed form) is
-run under each harness over the same number of cells, with one job, as its own command line would:
-a fresh folder, no cache, no plots. Ours does there what it does for any solver: a worker process
-that is watched, the check, the certificate, a row of some seventy columns, Parquet every second.
+Each harness runs the same trivial solver over the same number of cells, with one job. The solver
+is `benchmarks/overhead/trivial.py`, some ten microseconds of closed form. A harness runs as its own
+command line would: with a fresh folder, no cache, no plots. Ours does the same as for any solver: a
+watched worker process, the check, the certificate, a row of some seventy columns, Parquet every
+second.
 
     overhead of a cell = (W(N2) - W(N1)) / (N2 - N1),  W = seconds of the run - the solver's own
 
-What is paid once, imports, folders and the start of a worker, cancels out of the difference of
+Costs that are paid once (imports, folders, the start of a worker) cancel out of the difference of
 two sizes; the note has the whole run all the same. Every run is a process of its own, the
 harnesses take turns, and the least of the rounds counts for each size. The solver's own seconds are
 those that the harness itself writes into its results.

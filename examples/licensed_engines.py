@@ -286,8 +286,8 @@ class HeadingMilp(grid.HeadingMilp):
 
     The other settings are those of `heading-milp`.
 
-    The licences in the wheels end at 2 000 and at 5 000 variables, which 40 headings a point reach
-    with two legs, and 20 with six or thirteen.
+    The licences in the wheels end at 2 000 and at 5 000 variables. 40 headings a point reach these
+    limits with two legs, and 20 with six or thirteen.
     """
 
     engine: str = one_of("gurobi", ENGINES)

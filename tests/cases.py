@@ -121,7 +121,7 @@ def placed(
 
 
 def scenario_row(scenario: Scenario) -> dict[str, Any]:
-    """The columns of a row that come from the scenario."""
+    """Columns of a row that describe its scenario."""
     return {name: getattr(scenario, name) for name in names(SCENARIO)}
 
 

@@ -1,9 +1,9 @@
 """Attack the package with hard cases.
 
-`python -m tests.adversary.campaign 1000000 2000` prints a table of the cases and the first
-counterexample of each check as a line to paste (`from dubins_study import Scenario as S`, `Path`;
-`enclose`, `judge` and the others from the room `dubins_study.study`). It exits with 1 if there is
-a counterexample.
+`python -m tests.adversary.campaign 1000000 2000` prints a table of the cases. It prints the first
+counterexample of each check as a line to paste, and then exits with 1. The line needs `from
+dubins_study import Scenario as S`, `Path`; `enclose`, `judge` and the others are from the room
+`dubins_study.study`.
 """
 
 import argparse
@@ -30,7 +30,7 @@ _WITH_POINTS = 25  # one case in so many is followed by a route or a leg with a 
 
 
 def run(seed: int, low: int, high: int) -> Table:
-    """Run cases `low` to `high - 1` of a seed."""
+    """Run a seed's cases from `low` below `high`."""
     warnings.filterwarnings("ignore", ".* more than a full turn", UserWarning)  # which is meant
     table = Table()
     cases = [case(seed, number) for number in range(low, high)]

@@ -65,8 +65,8 @@ def leg_length(x: float, y: float, a: float, b: float, gap: float) -> float:
 
     It starts with heading a and ends with heading b.
 
-    An arc that lacks less than `gap` (rad) of a full turn counts as none, and circles that miss
-    each other by less than a hundredth of it as touching: what rounding may hide.
+    An arc that lacks less than `gap` (rad) of a full turn counts as none. Circles that miss each
+    other by less than a hundredth of it count as touching. Rounding may hide either.
     """
     return _leg(x, y, a, b, (math.sin(a), math.cos(a), math.sin(b), math.cos(b)), gap)
 

@@ -181,8 +181,8 @@ def whole_grid(legs: Array, ends: list[Array | None]) -> float:
 def attacked(asked: Asked, rng: Rng) -> float:
     """Least length by the fine grid and downhill.
 
-    The grid has 500 headings at a point, and then the fine ones in the 15 windows about those
-    through which the shortest chains go and in 5 random windows. Downhill from the best chain
+    The grid has 500 headings at a point. Then come the fine headings of 20 windows: 15 about the
+    headings of the shortest chains, and 5 at random. The search goes downhill from the best chain
     through each window, from chains beside the best of all, and from anywhere.
     """
     legs = np.diff(asked.points, axis=0)
@@ -265,7 +265,7 @@ def attack(table: Table, seed: int, number: int) -> float:
 
 
 def run(seed: int, low: int, high: int) -> Table:
-    """Attack routes `low` to `high - 1` of a seed."""
+    """Attack a seed's routes from `low` below `high`."""
     table = Table()
     for number in range(low, high):
         attack(table, seed, number)

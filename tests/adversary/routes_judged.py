@@ -2,9 +2,9 @@
 
 The legs have a final heading; bounds are checked too.
 
-What is right is known without the package's check: where a path passes a point is searched on a
-dense sample of it, one path that arrives is a bound for all others, and the length of one leg is
-that of `tests.adversary.leg_lengths`.
+The right verdict is known without the package's check. The place where a path passes a point is
+searched on a dense sample of the path. One path that arrives is a bound for all others. The length
+of one leg is that of `tests.adversary.leg_lengths`.
 """
 
 import math

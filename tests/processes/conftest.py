@@ -32,5 +32,5 @@ def original(experiment: str, tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture
 def folder(original: Path, tmp_path: Path) -> Path:
-    """A copy of the finished run, which a test may change."""
+    """Copy of the finished run, for a test's changes."""
     return Path(shutil.copytree(original, tmp_path / "out"))

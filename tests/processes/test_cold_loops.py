@@ -1,4 +1,4 @@
-"""A run on a machine that has compiled nothing yet."""
+"""A run on a machine without compiled loops."""
 
 import os
 import subprocess

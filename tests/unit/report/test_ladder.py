@@ -1,4 +1,4 @@
-"""Targets next to a turning circle: the ladder toward it."""
+"""The ladder of targets toward a turning circle."""
 
 import math
 

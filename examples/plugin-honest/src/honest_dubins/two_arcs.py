@@ -23,7 +23,9 @@ ARRIVES = 1e-9
 
 @dataclass(frozen=True)
 class TwoArcs(Solver):
-    """Both lengths of a word, by MINPACK's `hybr` on the end point, from a grid of guesses.
+    """Both lengths of a word by root finding.
+
+    MINPACK's `hybr` finds the end point's root, from a grid of guesses.
 
     Args:
         guesses: of the first arc's angle, and of the second's.
@@ -65,7 +67,10 @@ class TwoArcs(Solver):
         return Solution(claim, best, claimed_length=best.length, evaluations=trials)
 
     def paths(self, scenario: Scenario, word: str) -> Iterator[Path | None]:
-        """For each guess the path of a word that arrives, or None."""
+        """Path of a word from each guess.
+
+        It is None where the path does not arrive.
+        """
         radius = scenario.radius
         start = scenario.start
         curvature = np.array([TURN[letter] for letter in word]) / radius
