@@ -28,11 +28,11 @@ def test_no_counterexample_in_few_cases(monkeypatch: pytest.MonkeyPatch) -> None
     """
     table = run(SEED, 0, FEW)
     spoilt = Table()
-    found = [routes.attack(table, 0, number) for number in range(1, 5)]
+    lengths = [routes.attack(table, 0, number) for number in range(1, 5)]
 
     assert table.wrong == 0, str(table)
     assert {check for check, _ in table.cells} == set(CHECKS)
-    assert found == pytest.approx(routes.LENGTHS[1:5], rel=1e-6)
+    assert lengths == pytest.approx(routes.LENGTHS[1:5], rel=1e-6)
     right = routes.search
     monkeypatch.setattr(routes, "search", lambda *a, **o: _raised(right(*a, **o)))
     routes.attack(spoilt, 0, 1)
@@ -89,10 +89,10 @@ def test_lattice_routes_close(seed: int) -> None:
     asked = routes.Asked(points, first, None if rng.random() < 0.5 else last)
 
     route = search(*asked, limit=60.0, tolerance=1e-9)
-    found = routes.attacked(asked, rng)
+    length = routes.attacked(asked, rng)
 
     assert route.closed
-    assert found >= route.low * (1.0 - routes.tolerated(asked))
+    assert length >= route.low * (1.0 - routes.tolerated(asked))
 
 
 def _longer(path: Path | None) -> Path | None:

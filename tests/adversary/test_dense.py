@@ -62,12 +62,12 @@ def test_more_effort_makes_no_path_longer(seed):
     _, points, first = dense.drawn(seed)
     bisecting, program = dense.lengths(points, first)
 
-    found = [search(points, first, boxes=boxes) for boxes in (0, 1_000, 10_000, 100_000)]
+    searches = [search(points, first, boxes=boxes) for boxes in (0, 1_000, 10_000, 100_000)]
 
-    lengths = [route.length for route in found]
+    lengths = [route.length for route in searches]
     assert lengths[0] <= SANE * min(bisecting, program)
     assert lengths == sorted(lengths, reverse=True)
-    assert [route.low for route in found] == sorted(route.low for route in found)
+    assert [route.low for route in searches] == sorted(route.low for route in searches)
 
 
 @pytest.mark.smoke

@@ -386,9 +386,9 @@ def test_via_points_and_a_final_heading_are_drawn(new_tab, tmp_path: FilePath, s
     """
     right = solved(scenario, "analytic")
     wrong = attempt(scenario, "mine", path=Path(scenario.start, [0.0], [3.0]), claim=Claim.LOCAL)
-    made = [right, wrong | {"scenario_id": right["scenario_id"]}]
+    pair = [right, wrong | {"scenario_id": right["scenario_id"]}]
     page = new_tab(reduced_motion="reduce")
-    page.goto(address_of(tmp_path, made))
+    page.goto(address_of(tmp_path, pair))
     show(page, row(page, "mine", -1))
     _, end, target = drawn_end(page)
     line, dots, arrows = page.evaluate(

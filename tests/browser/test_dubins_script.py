@@ -182,19 +182,21 @@ def test_certificates_are_the_package_s(in_page):
                 continue
             path = as_path(case.start, case.radius, optimum.word, optimum.segments)
             extremal, cut = measure(path, case.radius)
-            found = entry["certificate"]
+            certificate = entry["certificate"]
             # 1e-9 of the segments, twice; 1e9 R away positions lose 16 ulp a radius in costates
             allowed = 4e-9 + 64 * EPS * optimum.total
-            assert found["cut_margin"] == pytest.approx(cut, abs=allowed), case
+            assert certificate["cut_margin"] == pytest.approx(cut, abs=allowed), case
             if extremal is None:
-                assert found["residual"] == 0
+                assert certificate["residual"] == 0
                 continue
-            assert found["abnormal"] == extremal.abnormal
+            assert certificate["abnormal"] == extremal.abnormal
             if extremal.abnormal:  # a second arc of pi: the costates' sign hangs on its last ulp
                 continue
-            assert found["residual"] == pytest.approx(extremal.pmp_residual, abs=allowed), case
+            assert certificate["residual"] == pytest.approx(extremal.pmp_residual, abs=allowed), (
+                case
+            )
             size = max(1.0, math.hypot(*extremal.nu))
-            costates = found["costate_x"], found["costate_y"]
+            costates = certificate["costate_x"], certificate["costate_y"]
             assert np.allclose(costates, extremal.nu, rtol=0, atol=allowed * size**2), case
             compared += 1
 

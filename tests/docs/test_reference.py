@@ -341,7 +341,7 @@ def test_one_duration_of_the_benchmark():
     """
     manifests = [read_manifest(ROOT / "results" / "benchmark" / suite) for suite in SUITES]
     seconds = sum(run.seconds or 0.0 for manifest in manifests for run in manifest.runs)
-    said = f"{seconds / 60:.0f} minutes"
+    duration = f"{seconds / 60:.0f} minutes"
     texts = {
         "Makefile": r"convex problems \(([^)]*)\)",
         "CONTRIBUTING.md": r"benchmark and its report: (\w+ \w+)",
@@ -351,7 +351,7 @@ def test_one_duration_of_the_benchmark():
     }
 
     for file, pattern in texts.items():
-        assert re.findall(pattern, (ROOT / file).read_text(encoding="utf-8")) == [said], file
+        assert re.findall(pattern, (ROOT / file).read_text(encoding="utf-8")) == [duration], file
 
 
 if __name__ == "__main__":

@@ -50,7 +50,7 @@ def blocks(page: Path) -> list[Block]:
 
     Those of directives are left out.
     """
-    found = []
+    entries = []
     source = page.read_text(encoding="utf-8")
     for match in _FENCE.finditer(source):
         indent, _, info, text = match.groups()
@@ -67,8 +67,8 @@ def blocks(page: Path) -> list[Block]:
             continue
         named = _FILE.match(text)
         file = file or (named[1] if named else "")
-        found.append(Block(language, text, file, source.count("\n", 0, match.start()) + 2))
-    return found
+        entries.append(Block(language, text, file, source.count("\n", 0, match.start()) + 2))
+    return entries
 
 
 def unknown(block: Block) -> bool:

@@ -72,7 +72,7 @@ TABLES = {
 
 
 @pytest.fixture(scope="session")
-def made() -> dict[tuple[str, int], Shared]:
+def runs() -> dict[tuple[str, int], Shared]:
     """Cache of the runs made so far.
 
     pytest would make a run again for every test that comes back to it.
@@ -83,7 +83,7 @@ def made() -> dict[tuple[str, int], Shared]:
 @pytest.fixture
 def shared(
     request: pytest.FixtureRequest,
-    made: dict[tuple[str, int], Shared],
+    runs: dict[tuple[str, int], Shared],
     tmp_path_factory: pytest.TempPathFactory,
 ) -> Shared:
     """The run of one table with some jobs.
@@ -91,8 +91,8 @@ def shared(
     The parameter holds both.
     """
     kind, jobs = request.param
-    if request.param not in made:
+    if request.param not in runs:
         table, asked, limit = TABLES[kind]
         folder = tmp_path_factory.mktemp(kind)
-        made[request.param] = shared_run(folder, table, asked, jobs, limit)
-    return made[request.param]
+        runs[request.param] = shared_run(folder, table, asked, jobs, limit)
+    return runs[request.param]

@@ -52,7 +52,7 @@ def test_killed_at_random_moments(asking, tmp_path):
     """
     draw = Random(20260)
     cut = 0
-    kept = set()
+    earlier = set()
     options = ("--jobs", 2, "--time-limit", 10)
     folders = [tmp_path / "cut 0"]
     while cut < MOMENTS:
@@ -70,12 +70,12 @@ def test_killed_at_random_moments(asking, tmp_path):
         if not (folders[-1] / "manifest.json").exists():
             continue  # so early that there is no folder yet
         cells = done(folders[-1])
-        assert kept <= cells  # what was written stays
+        assert earlier <= cells  # what was written stays
         assert len(rows(folders[-1])) == len(cells)
-        kept = cells
+        earlier = cells
         if len(cells) == CELLS and finished(folders[-1]):
             folders.append(tmp_path / f"cut {len(folders)}")
-            kept = set()
+            earlier = set()
 
     whole = tmp_path / "whole"
     assert study("run", asking, "--out", whole, *options).code == 0

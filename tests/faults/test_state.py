@@ -71,29 +71,29 @@ def test_every_row_is_there(tainted):
 
 
 def test_who_changes_things_is_still_judged(tainted):
-    found = tainted[1]
-    found = found[found["plugin"] == "Tainting"]
+    table = tainted[1]
+    table = table[table["plugin"] == "Tainting"]
 
-    assert set(found["outcome"]) == {"returned"}, set(found["message"])
-    assert set(found["verdict"]) == {"optimal"}
+    assert set(table["outcome"]) == {"returned"}, set(table["message"])
+    assert set(table["verdict"]) == {"optimal"}
 
 
 def test_nobody_else_notices(tainted):
-    found = tainted[1]
-    found = found[found["plugin"] == "Witness"]
+    table = tainted[1]
+    table = table[table["plugin"] == "Witness"]
 
-    assert set(found["message"]) == {""}
-    assert set(found["verdict"]) == {"optimal"}
+    assert set(table["message"]) == {""}
+    assert set(table["verdict"]) == {"optimal"}
 
 
 def test_one_that_dies_now_and_then_dies_exactly_there(tainted):
-    found = tainted[1]
-    found = found[found["plugin"] == "SomeTimes"].sort_values("target_x")
+    table = tainted[1]
+    table = table[table["plugin"] == "SomeTimes"].sort_values("target_x")
     dies = [round(x * 1000) % 3 == 0 for x in np.linspace(2.0, 9.0, N)]
 
     assert 0 < sum(dies) < N
-    assert list(found["outcome"]) == ["crashed" if dead else "returned" for dead in dies]
-    assert list(found["native_status"] == "SIGABRT") == dies
+    assert list(table["outcome"]) == ["crashed" if dead else "returned" for dead in dies]
+    assert list(table["native_status"] == "SIGABRT") == dies
 
 
 @pytest.mark.slow
@@ -103,11 +103,11 @@ def test_a_path_of_as_many_arcs_as_allowed_is_a_row_like_any_other(tmp_path, cle
     ended = study("run", asking, "--out", tmp_path / "out", "--jobs", 2)
 
     assert ended.code == 0, ended.err
-    found = rows(tmp_path / "out").sort_values("plugin")
-    assert len(found) == 9
-    assert found["curvatures"].iloc[-1].size == MAX_ARCS
-    assert set(found["verdict"]) == {"optimal"}
-    assert lasting(found[found["plugin"] == "Honest"]).equals(lasting(clean))
+    table = rows(tmp_path / "out").sort_values("plugin")
+    assert len(table) == 9
+    assert table["curvatures"].iloc[-1].size == MAX_ARCS
+    assert set(table["verdict"]) == {"optimal"}
+    assert lasting(table[table["plugin"] == "Honest"]).equals(lasting(clean))
 
 
 # What a plug-in does as its file is read or its class is made, always and in workers only.
@@ -199,10 +199,10 @@ def test_state_of_the_caller_is_left_alone(tmp_path):
     from dubins_study import run
 
     before = os.getcwd(), dict(os.environ), np.geterr()  # noqa: PTH109
-    own = {name for name, (_, changed) in STATES.items() if changed()}  # pytest's alarm, say
+    changes = {name for name, (_, changed) in STATES.items() if changed()}  # pytest's alarm, say
     asking = experiment(tmp_path, ([TAINTING], N))
     run(asking, tmp_path / "out", time_limit=5, trust_plugins=True)
 
     assert (os.getcwd(), dict(os.environ), np.geterr()) == before  # noqa: PTH109
-    assert {name for name, (_, changed) in STATES.items() if changed()} == own
-    assert own <= {"alarm"}
+    assert {name for name, (_, changed) in STATES.items() if changed()} == changes
+    assert changes <= {"alarm"}

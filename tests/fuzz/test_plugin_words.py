@@ -39,15 +39,17 @@ def rows(draw):
 
     A few of them have a path.
     """
-    made = []
+    attempts = []
     for number in range(draw(st.integers(1, 5))):
-        said = {name: draw(words) for name in ("message", "native_status", "word", "run_id")}
+        texts_of_row = {
+            name: draw(words) for name in ("message", "native_status", "word", "run_id")
+        }
         scenario = Scenario(0, 0, 0, 5, number + 2, 1, label=draw(words))
         path = draw(st.sampled_from(["exact", None]))
-        made.append(attempt(scenario, draw(words) or "s", path=path, **said))
+        attempts.append(attempt(scenario, draw(words) or "s", path=path, **texts_of_row))
         if draw(st.booleans()):
-            made[-1] |= {name: draw(words) for name in ("outcome", "claim", "verdict", "proof")}
-    return made
+            attempts[-1] |= {name: draw(words) for name in ("outcome", "claim", "verdict", "proof")}
+    return attempts
 
 
 @pytest.mark.slow

@@ -172,8 +172,8 @@ def test_what_a_solver_says_of_itself_is_explained(tmp_path, wrong):
 
     assert check["status"] == status, check
     assert ended.exit_code == (status == "fail")
-    found = [f"{one['observed']} {one['advice']}" for one in check["findings"]]
-    assert words in " ".join([check["summary"], *found]), check
+    messages = [f"{one['observed']} {one['advice']}" for one in check["findings"]]
+    assert words in " ".join([check["summary"], *messages]), check
 
 
 def test_a_setting_of_a_solver_that_cannot_be_made_is_refused(tmp_path):

@@ -106,10 +106,10 @@ def test_an_edit_changes_the_digest_of_the_room_and_of_rooms_that_build_on_it(tm
 
 
 def test_every_solver_has_a_code_of_its_own():
-    found = {name: code_digest(name) for name in registered()}
+    digests = {name: code_digest(name) for name in registered()}
 
-    assert len(set(found.values())) == len(found)
-    assert all(len(digest) == 12 and int(digest, 16) >= 0 for digest in found.values())
+    assert len(set(digests.values())) == len(digests)
+    assert all(len(digest) == 12 and int(digest, 16) >= 0 for digest in digests.values())
 
 
 def test_settings_make_a_code_of_their_own():
@@ -169,12 +169,12 @@ def test_a_plugin_is_told_by_its_syntax(text, same, tmp_path):
     A comment, a docstring and another layout leave the digest; a constant changes it.
     """
     plugin = tmp_path / "mine.py"
-    found = []
+    digests = []
     for content in (PLUGIN.format(patience=1).replace("float", '"float"'), text):
         plugin.write_bytes(content.encode())
-        found += printed(f"print(code_digest({f'{plugin}:Mine'!r}))")
+        digests += printed(f"print(code_digest({f'{plugin}:Mine'!r}))")
 
-    assert (found[0] == found[1]) is same
+    assert (digests[0] == digests[1]) is same
 
 
 @pytest.mark.parametrize(
@@ -242,9 +242,9 @@ def test_rows_of_earlier_code_are_solved_anew_and_never_shown(tmp_path):
         done = output(finished("run", file, "--trust-plugins", "--out", out))
         assert "4 of 4 cells done, finished" in done
 
-    kept = read_rows(out, ["run_id"]).to_pandas()
-    assert kept.groupby("solver")["code_digest"].nunique().to_dict() == {spec: 2, "analytic": 1}
-    assert kept.groupby("solver").size().to_dict() == {spec: 4, "analytic": 2}
+    table = read_rows(out, ["run_id"]).to_pandas()
+    assert table.groupby("solver")["code_digest"].nunique().to_dict() == {spec: 2, "analytic": 1}
+    assert table.groupby("solver").size().to_dict() == {spec: 4, "analytic": 2}
     assert "2 rows of earlier code" in output(finished("status", out))
     shown = load([out])
     assert len(shown.rows) == 4

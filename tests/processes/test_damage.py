@@ -239,11 +239,11 @@ def test_a_full_disk(tmp_path):
         out = disk_of / "out"
         failed = finished("run", experiment, "--out", out)
         assert failed.returncode == 2, failed.stderr
-        said = [line for line in failed.stderr.splitlines() if line.startswith("dubins-study")]
-        assert len(said) == 1
+        lines = [line for line in failed.stderr.splitlines() if line.startswith("dubins-study")]
+        assert len(lines) == 1
         assert "Traceback" not in failed.stderr
-        assert ".parquet: No space left on device; " in said[0]
-        assert "rows not written yet are lost, all others are kept" in said[0]
+        assert ".parquet: No space left on device; " in lines[0]
+        assert "rows not written yet are lost, all others are kept" in lines[0]
         assert not list(disk_of.rglob("*.tmp"))
         cells = done(out)
         assert 0 < len(cells) < 800

@@ -172,11 +172,11 @@ def test_ctrl_c(experiment, tmp_path, signals):
             printed, err = process.communicate(timeout=120)
         wait_for(lambda: len(solving(worker)) == 1)  # the fork server itself
 
-    kept = len(done(out))
+    count = len(done(out))
     assert process.returncode == 130, err
     assert time.monotonic() - began < 300  # long before the nap is over, on a busy machine too
-    assert f"interrupted; {kept} of 30 cells are done and kept; run the same command" in err
-    assert (0 < kept < 30) if signals == 1 else kept == 0
+    assert f"interrupted; {count} of 30 cells are done and kept; run the same command" in err
+    assert (0 < count < 30) if signals == 1 else count == 0
     assert "Traceback" not in err
     assert "distributed" not in err
     assert printed == ""

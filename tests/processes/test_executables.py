@@ -278,8 +278,14 @@ def test_the_page_names_every_option_that_is_passed():
     page = (Path(__file__).parents[2] / "docs" / "reference-set.md").read_text()
     for begin, names in EXECUTABLES.items():
         options = names.options
-        told = (begin, *options.feasibility, *options.optimality, names.gap, names.seconds)
-        assert [name for name in told if name and f"`{name}`" not in page] == []
+        options_of_engine = (
+            begin,
+            *options.feasibility,
+            *options.optimality,
+            names.gap,
+            names.seconds,
+        )
+        assert [name for name in options_of_engine if name and f"`{name}`" not in page] == []
 
 
 def test_engines_of_another_kind_are_no_executables():

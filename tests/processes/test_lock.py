@@ -5,10 +5,8 @@ That holds whatever becomes of the run that holds it.
 
 import json
 import os
-import shutil
 import signal
 import stat
-from pathlib import Path
 
 import psutil
 import pytest
@@ -25,11 +23,13 @@ def contents(folder):
 
     The duration of the live run is left out: it changes.
     """
-    held = {file: file.read_bytes() for file in sorted(folder.rglob("*")) if file.is_file()}
-    manifest = json.loads(held.pop(folder / "manifest.json"))
+    contents_by_file = {
+        file: file.read_bytes() for file in sorted(folder.rglob("*")) if file.is_file()
+    }
+    manifest = json.loads(contents_by_file.pop(folder / "manifest.json"))
     for entry in manifest["runs"]:
         del entry["seconds"]
-    return held, manifest
+    return contents_by_file, manifest
 
 
 @pytest.mark.slow
@@ -106,18 +106,17 @@ def test_status_and_report_work_while_a_run_does(tmp_path):
         assert first.poll() is None
 
 
-def test_status_writes_nothing(original, tmp_path):
+def test_status_writes_nothing(folder):
     """`status` writes nothing.
 
     A folder that may only be read can be looked at.
     """
-    out = Path(shutil.copytree(original, tmp_path / "out"))
-    (out / LOCK).unlink()
-    before = {file: file.stat().st_mtime_ns for file in [out, *out.rglob("*")]}
+    (folder / LOCK).unlink()
+    before = {file: file.stat().st_mtime_ns for file in [folder, *folder.rglob("*")]}
     for file in before:
         file.chmod(file.stat().st_mode & ~(stat.S_IWUSR | stat.S_IWGRP | stat.S_IWOTH))
 
-    assert status(out).done == CELLS
-    assert {file: file.stat().st_mtime_ns for file in [out, *out.rglob("*")]} == before
+    assert status(folder).done == CELLS
+    assert {file: file.stat().st_mtime_ns for file in [folder, *folder.rglob("*")]} == before
     for file in before:
         file.chmod(file.stat().st_mode | stat.S_IWUSR)

@@ -127,13 +127,13 @@ def test_a_contradiction_is_refused(halves, tmp_path, column, value):
     with pytest.raises(ResultsError) as error:
         merge(halves, tmp_path / "all")
 
-    said = str(error.value)
-    assert "contradict each other in 1 cell; nothing was merged" in said
-    assert ", ".join(str(row[name]) for name in KEYS) in said
-    assert f"{column} is " in said
+    message = str(error.value)
+    assert "contradict each other in 1 cell; nothing was merged" in message
+    assert ", ".join(str(row[name]) for name in KEYS) in message
+    assert f"{column} is " in message
     for found, folder in ((before, halves[0]), (value, halves[1])):
         shown = float("nan") if found is None else found
-        assert f"{shown} in {folder}" in said
+        assert f"{shown} in {folder}" in message
     assert {f.name for f in tmp_path.iterdir()} == {"one", "two"}
 
 

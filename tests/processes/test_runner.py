@@ -275,11 +275,11 @@ def test_a_plugin_that_breaks_its_promise_spoils_no_other_row(small, tmp_path, j
 
 
 def test_progress_counts_every_cell(small, tmp_path):
-    told = []
-    run(small, tmp_path / "out", progress=lambda n, total: told.append((n, total)))
+    messages = []
+    run(small, tmp_path / "out", progress=lambda n, total: messages.append((n, total)))
 
-    assert told[-1] == (CELLS, CELLS)
-    assert [n for n, _ in told] == sorted(n for n, _ in told)
+    assert messages[-1] == (CELLS, CELLS)
+    assert [n for n, _ in messages] == sorted(n for n, _ in messages)
 
 
 LATE = """
@@ -318,10 +318,10 @@ def test_a_resumed_sweep_starts_where_an_unbroken_one_would(tmp_path):
     for gone in ([3.0, 4.0, 5.0], [3.0, 5.0], [4.0], [2.0, 3.0]):
         part = next((tmp_path / "out" / "parts").glob("*.parquet"))
         table = pq.read_table(part)
-        kept = table.filter(pc.invert(pc.is_in(table["radius"], value_set=pa.array(gone))))
+        rest = table.filter(pc.invert(pc.is_in(table["radius"], value_set=pa.array(gone))))
         name = part.stem
         part.unlink()
-        write_part(tmp_path / "out", name, kept)
+        write_part(tmp_path / "out", name, rest)
 
         again = rows(run(file, tmp_path / "out", solvers=[spec])).sort_values("radius")
 

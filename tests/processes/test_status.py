@@ -52,11 +52,11 @@ def test_done_left_and_failing_are_counted(folder):
 
     def edit(rows):
         rows = [row for row in rows if row["solver"] != "shooting"]
-        own = [row for row in rows if row["solver"] == "slsqp"]
-        for row in own[:3]:
+        solver_rows = [row for row in rows if row["solver"] == "slsqp"]
+        for row in solver_rows[:3]:
             row |= {"outcome": "timeout", "claim": "none", "verdict": "none"}
-        own[3]["code_digest"] = "ffffffffffff"
-        rows.remove(own[4])
+        solver_rows[3]["code_digest"] = "ffffffffffff"
+        rows.remove(solver_rows[4])
         return rows
 
     rewrite(folder, edit)
@@ -140,24 +140,24 @@ def test_json_is_one_object_with_the_same(folder):
     rewrite(folder, lambda rows: rows[:-3])
     amend(folder, finished=None)
     process = finished("status", folder, "--json")
-    found = json.loads(process.stdout)
+    content = json.loads(process.stdout)
 
     assert process.returncode == 0
-    assert (found["cells"], found["done"], found["left"]) == (3 * CELLS, 3 * CELLS - 3, 3)
-    assert sum(found["left_by_solver"].values()) == 3
-    assert found["seconds_left"] > 0
-    assert {"failing", "stale", "damaged", "runs", "jobs"} <= found.keys()
-    assert found["runs"][0]["state"] == "finished"
-    assert not found["finished"]
+    assert (content["cells"], content["done"], content["left"]) == (3 * CELLS, 3 * CELLS - 3, 3)
+    assert sum(content["left_by_solver"].values()) == 3
+    assert content["seconds_left"] > 0
+    assert {"failing", "stale", "damaged", "runs", "jobs"} <= content.keys()
+    assert content["runs"][0]["state"] == "finished"
+    assert not content["finished"]
 
 
 def test_a_noisy_run_says_so(folder):
     runs = manifest(folder)["runs"]
     runs[0]["probes"] = [[i, 1e-3 * (1 + 0.3 * (i % 2))] for i in range(40)]
     amend(folder, runs=runs)
-    said = finished("status", folder).stdout
+    text = finished("status", folder).stdout
 
-    assert re.search(rf"{runs[0]['run_id']} .* 26.1 %", said)
+    assert re.search(rf"{runs[0]['run_id']} .* 26.1 %", text)
 
 
 @pytest.mark.slow

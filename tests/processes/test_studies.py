@@ -48,11 +48,11 @@ def test_where_a_local_solver_starts_decides_where_it_ends(tmp_path):
     that a point is a minimum which Pontryagin's conditions refute.
     """
     table = ends(smaller("basins", tmp_path, {", 25]": ", 7]"}).rows)
-    found = table.groupby(["label", "solver"])
+    groups = table.groupby(["label", "solver"])
     free = table[~table["solver"].map(is_capped)]
 
-    assert found.size().tolist() == [49] * 10
-    assert found["end"].agg(lambda end: end.eq(OPTIMUM).mean()).between(0.2, 0.85).all()
+    assert groups.size().tolist() == [49] * 10
+    assert groups["end"].agg(lambda end: end.eq(OPTIMUM).mean()).between(0.2, 0.85).all()
     assert free["turns"].eq(1).groupby([free["label"], free["solver"]]).any().all()
     ipopt = table[table["solver"].str.startswith("ipopt") & (table["label"] == "problem 4")]
     assert ipopt["end"].eq(INFEASIBLE).groupby(ipopt["solver"]).sum().gt(4).all()

@@ -155,11 +155,11 @@ def test_the_command_beside_them(user):
     program = user / "env" / "bin" / "dubins-study"
     out = user / "by-command"
     module = (user / "env" / "bin" / "python", "-m", "dubins_study")
-    told = called(program, "solve", 10, 5, "--json", cwd=user)
+    text = called(program, "solve", 10, 5, "--json", cwd=user)
     called(*module, "run", "beside.toml", "--out", out, "--trust-plugins", cwd=user)
     called(program, "report", out, cwd=user)
 
-    assert '"word"' in told
+    assert '"word"' in text
     assert (out / "report" / "index.html").is_file()
     assert "6" in called(*module, "status", out, cwd=user)
     verdicts = pq.read_table(out / "parts")["verdict"].to_pylist()

@@ -214,11 +214,11 @@ def modules() -> dict[str, Module]:
     """All modules of the package by name."""
     files = sorted(PACKAGE.rglob("*.py"))
     names = {_name(file) for file in files}
-    found = {}
+    by_name = {}
     for file in files:
         imports = _imports(file.read_text(encoding="utf-8"), names, str(file))
-        found[_name(file)] = Module(_name(file), file, room_of(file), imports - {_name(file)})
-    return found
+        by_name[_name(file)] = Module(_name(file), file, room_of(file), imports - {_name(file)})
+    return by_name
 
 
 @cache
@@ -227,10 +227,10 @@ def rooms() -> dict[str, list[Module]]:
 
     They come in the table's order; rooms that the table does not know are last.
     """
-    held: dict[str, list[Module]] = {room: [] for room in MAY_IMPORT}
+    by_room: dict[str, list[Module]] = {room: [] for room in MAY_IMPORT}
     for module in modules().values():
-        held.setdefault(module.room, []).append(module)
-    return {room: members for room, members in held.items() if members}
+        by_room.setdefault(module.room, []).append(module)
+    return {room: members for room, members in by_room.items() if members}
 
 
 def room_imports(room: str) -> set[str]:

@@ -114,10 +114,10 @@ def test_a_tour_is_the_shortest_of_all_orders(file):
 
 
 def test_a_closed_path_ends_as_it_starts(file, tmp_path):
-    drawn = tmp_path / "tour.svg"
+    drawing = tmp_path / "tour.svg"
     written = tmp_path / "tour.json"
     options = ("--closed", "--order", "free", "--from", "1", "2", "free")
-    files = ("--plot", str(drawn), "--geojson", str(written))
+    files = ("--plot", str(drawing), "--geojson", str(written))
 
     answer = json_of("--via-file", str(file), *options, *files)
 
@@ -132,7 +132,7 @@ def test_a_closed_path_ends_as_it_starts(file, tmp_path):
     assert [each["name"] for each in shown] == ["mill", "oak", None, "ford", None]
     by_visit = sorted((each for each in shown if each["kind"] == "via"), key=lambda p: p["visit"])
     assert [each["index"] - 1 for each in by_visit] == answer["order"]
-    assert drawn.stat().st_size > 1000
+    assert drawing.stat().st_size > 1000
 
 
 def test_headings_at_points_are_met(tmp_path):

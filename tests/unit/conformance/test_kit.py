@@ -733,9 +733,9 @@ def test_a_longer_tour_is_told_its_order():
 
     The shortest tour's stands beside it: what is to be mended is the order, or the headings.
     """
-    found = text(checked(InOrder, ["tours"]), "tours")
+    message = text(checked(InOrder, ["tours"]), "tours")
 
-    assert re.search(r"% longer .*; its order is 0 1 2 3, the shortest one's (?!0 1 2 3)", found)
+    assert re.search(r"% longer .*; its order is 0 1 2 3, the shortest one's (?!0 1 2 3)", message)
 
 
 def test_a_solver_has_to_take_an_end():
@@ -791,8 +791,8 @@ def test_the_routes_of_the_kit_are_those_that_it_promises():
     assert (b[0] - a[0]) * (c[1] - a[1]) == (b[1] - a[1]) * (c[0] - a[0])
     assert sum(route.final_heading is not None for route in OF_KIND["route"].values()) == 1
     for route in OF_KIND["route"].values():
-        found = reference_of(route, "best", replace(DEFAULT, search_s=1.0)).enclosure
-        assert found.high <= found.low * (1 + 1e-6), route.label
+        reference = reference_of(route, "best", replace(DEFAULT, search_s=1.0)).enclosure
+        assert reference.high <= reference.low * (1 + 1e-6), route.label
 
 
 def test_the_advice_for_a_disc_is_not_that_for_the_axis():

@@ -43,15 +43,15 @@ def block(name):
 
 def columns(name):
     """Columns of a block's scenarios, one a field."""
-    made = list(scenarios(block(name), "b"))
-    return {field: np.array([getattr(s, field) for s in made]) for field in NUMBERS}
+    questions = list(scenarios(block(name), "b"))
+    return {field: np.array([getattr(s, field) for s in questions]) for field in NUMBERS}
 
 
 @pytest.mark.parametrize("name", BLOCKS)
 def test_a_block_has_as_many_scenarios_as_its_size_says(name):
-    made = list(scenarios(block(name), "b"))
+    questions = list(scenarios(block(name), "b"))
 
-    assert len(made) == block_size(block(name))
+    assert len(questions) == block_size(block(name))
 
 
 def test_a_name_is_the_hash_of_doubles_and_label():
@@ -75,15 +75,20 @@ def test_targets_are_those_of_the_scalar_formulas():
     number, to the last bit.
     """
     polar = block("polar")
-    made = columns("polar")
+    numbers = columns("polar")
     product = itertools.product(polar.radius, np.geomspace(0.1, 30, 9), polar.bearing)
     expected = [(R * d * math.cos(bearing), R * d * math.sin(bearing)) for R, d, bearing in product]
-    assert list(zip(made["target_x"].tolist(), made["target_y"].tolist(), strict=True)) == expected
+    assert (
+        list(zip(numbers["target_x"].tolist(), numbers["target_y"].tolist(), strict=True))
+        == expected
+    )
 
-    made = columns("circular")
+    numbers = columns("circular")
     arcs = np.repeat(np.linspace(-3, 3, 20), 4)
     margins = np.tile([-1, -1e-3, 0.0, 2], 20)
-    for x, y, arc, margin in zip(made["target_x"], made["target_y"], arcs, margins, strict=True):
+    for x, y, arc, margin in zip(
+        numbers["target_x"], numbers["target_y"], arcs, margins, strict=True
+    ):
         # the centre lies across the heading; the target at its polar angle
         side = math.copysign(1, arc)
         centre = 2.1 + side * math.pi / 2
@@ -96,16 +101,16 @@ def test_targets_are_those_of_the_scalar_formulas():
 @given(st.floats(1e-9, 1e9), st.floats(1e-9, 1e9), st.integers(1, 50))
 def test_logarithmic_axes_are_numpys(first, last, count):
     axis = {"log": [first, last, count]}
-    found = Block.model_validate({"radius": axis, "target_x": 1, "target_y": 2})
+    model = Block.model_validate({"radius": axis, "target_x": 1, "target_y": 2})
 
-    assert found.radius == pytest.approx(np.geomspace(first, last, count), rel=1e-13)
+    assert model.radius == pytest.approx(np.geomspace(first, last, count), rel=1e-13)
 
 
 def test_sobol_points_are_scipys():
-    drawn = qmc.Sobol(2, rng=np.random.default_rng(7)).random(128)[:100]
+    points = qmc.Sobol(2, rng=np.random.default_rng(7)).random(128)[:100]
     headings = columns("sobol")["heading"]
 
-    assert headings[::2].tobytes() == (-3 + drawn[:, 0] * 6).tobytes()
+    assert headings[::2].tobytes() == (-3 + points[:, 0] * 6).tobytes()
     assert headings[::2].tobytes() == headings[1::2].tobytes()
 
 
@@ -128,7 +133,7 @@ def test_a_route_has_an_id_of_its_own():
 
 def test_routes_and_final_headings_of_a_block():
     """Via points vary fastest, then the final heading."""
-    found = Block.model_validate(
+    model = Block.model_validate(
         {
             **{"target_x": 9, "target_y": [1, 2], "final_heading": ["0deg", 1]},
             "via": [[], [[3, 4]], [[5, 6], [7, 8]]],
@@ -140,8 +145,8 @@ def test_routes_and_final_headings_of_a_block():
         for y, final, via in itertools.product([1, 2], [0, 1], vias)
     ]
 
-    assert list(scenarios(found, "b")) == expected
-    assert block_size(found) == len(expected)
+    assert list(scenarios(model, "b")) == expected
+    assert block_size(model) == len(expected)
 
 
 ROUTES = {"legs": [1, 4, 2], "spacing": "2R-4R", "count": 50, "seed": 3}
@@ -153,15 +158,17 @@ def test_sampled_routes():
     Legs are as long as their law says, uniformly; turned any way; of the radius and start.
     """
     routes = ROUTES | {"count": 500}
-    found = Block.model_validate({"route": routes, "x": 5, "radius": [1, 3], "heading": "1deg"})
-    made = list(scenarios(found, "b"))
-    lengths = [np.hypot(*np.diff(s.points, axis=0).T) / s.radius for s in made if s.radius == 3]
+    model = Block.model_validate({"route": routes, "x": 5, "radius": [1, 3], "heading": "1deg"})
+    questions = list(scenarios(model, "b"))
+    lengths = [
+        np.hypot(*np.diff(s.points, axis=0).T) / s.radius for s in questions if s.radius == 3
+    ]
     spread = np.concatenate(lengths)
-    turns = np.concatenate([np.arctan2(*np.diff(s.points, axis=0).T) for s in made])
+    turns = np.concatenate([np.arctan2(*np.diff(s.points, axis=0).T) for s in questions])
 
-    assert len(made) == block_size(found) == 2 * 3 * 500
-    assert [s.legs for s in made] == np.repeat([1, 4, 2], 1000).tolist()
-    assert {(s.x, s.y, s.final_heading) for s in made} == {(5, 0, None)}
+    assert len(questions) == block_size(model) == 2 * 3 * 500
+    assert [s.legs for s in questions] == np.repeat([1, 4, 2], 1000).tolist()
+    assert {(s.x, s.y, s.final_heading) for s in questions} == {(5, 0, None)}
     assert 2 <= spread.min() < 2.1 < 3.9 < spread.max() <= 4
     # four standard errors of a uniform law; every turn is there twice, of both radii
     assert abs(spread.mean() - 3) < 4 * 2 / math.sqrt(12 * spread.size)
@@ -198,9 +205,9 @@ def test_numbers_of_legs_are_whole():
 
 @pytest.mark.parametrize("name", SPACINGS)
 def test_every_spacing_may_be_named(name):
-    found = Block.model_validate({"route": ROUTES | {"spacing": name}})
+    model = Block.model_validate({"route": ROUTES | {"spacing": name}})
     low, high = SPACINGS[name]
-    lengths = [np.hypot(*np.diff(s.points, axis=0).T) for s in scenarios(found, "b")]
+    lengths = [np.hypot(*np.diff(s.points, axis=0).T) for s in scenarios(model, "b")]
 
     assert name == f"{low:g}R-{high:g}R"
     assert low <= min(map(min, lengths)) <= max(map(max, lengths)) <= high * (1 + 1e-12)
@@ -210,8 +217,8 @@ def test_a_final_heading_may_be_sampled():
     """A final heading is sampled like other fields."""
     ranges = {"bearing": {"linear": [0, 6]}, "final_heading": {"linear": ["-90deg", "90deg"]}}
     sample = {"method": "sobol", "count": 64, "seed": 1, "ranges": ranges}
-    made = list(scenarios(Block.model_validate({"distance": 3, "sample": sample}), "b"))
-    finals = [s.final_heading for s in made]
+    questions = list(scenarios(Block.model_validate({"distance": 3, "sample": sample}), "b"))
+    finals = [s.final_heading for s in questions]
 
     assert len(set(finals)) == 64
     assert -math.pi / 2 <= min(finals) < -1.5 < 1.5 < max(finals) <= math.pi / 2
@@ -229,24 +236,24 @@ def test_sampled_tours():
 
     Start and points fill a square of their own, as wide as the density says, uniformly.
     """
-    found = Block.model_validate({"tour": TOURS | {"count": 400}, "x": 5, "radius": [1, 3]})
-    made = list(scenarios(found, "b"))
+    model = Block.model_validate({"tour": TOURS | {"count": 400}, "x": 5, "radius": [1, 3]})
+    questions = list(scenarios(model, "b"))
 
-    assert len(made) == block_size(found) == 2 * 2 * 2 * 400
-    assert [s.legs for s in made] == np.repeat([3, 6], 1600).tolist()
-    assert {(s.x, s.y, s.order, s.closed, s.final_heading) for s in made} == {
+    assert len(questions) == block_size(model) == 2 * 2 * 2 * 400
+    assert [s.legs for s in questions] == np.repeat([3, 6], 1600).tolist()
+    assert {(s.x, s.y, s.order, s.closed, s.final_heading) for s in questions} == {
         (5, 0, "free", False, None)
     }
     for n, density, radius in itertools.product([3, 6], [1.5, 8], [1, 3]):
         place = 1600 * (n == 6) + 800 * (density == 8) + (radius == 3)
-        some = made[place : place + 800 : 2]
+        some = questions[place : place + 800 : 2]
         side = density * radius * math.sqrt(n)
         spread = np.array([np.ptp(s.points, axis=0) for s in some])
         # of n + 1 uniform points: the range has the mean n / (n + 2); four standard errors
         variance = 2 * n / ((n + 2) ** 2 * (n + 3))
         assert spread.max() < side
         assert abs(spread.mean() / side - n / (n + 2)) < 4 * math.sqrt(variance / spread.size)
-    headings = np.array([s.heading for s in made])
+    headings = np.array([s.heading for s in questions])
     assert 0 <= headings.min() < 0.1 < 6.2 < headings.max() < 2 * math.pi
 
 
@@ -294,14 +301,14 @@ def test_orders_ends_and_headings_of_a_block():
     What is free or left out is so in the scenario; a heading at a point is its third value.
     """
     via = [[1, 2], [3, 4, "90deg"], [5, 6, "free"]]
-    found = Block.model_validate({"via": via, "order": "free", "heading": ["free", 0.5]})
+    model = Block.model_validate({"via": via, "order": "free", "heading": ["free", 0.5]})
     points = ((1, 2), (3, 4, math.pi / 2), (5, 6))
     back = Block.model_validate({"via": via, "closed": True, "heading": "free"})
     ends = Block.model_validate(
         {"via": via, "target_x": 9, "target_y": 1, "final_heading": ["free", "0deg"]}
     )
 
-    assert list(scenarios(found, "b")) == [
+    assert list(scenarios(model, "b")) == [
         Scenario(via=points, order="free", heading=heading) for heading in (None, 0.5)
     ]
     assert list(scenarios(back, "b")) == [Scenario(via=points, closed=True, heading=None)]
@@ -355,12 +362,12 @@ def test_points_of_a_field(law):
 
     No two fields of a seed, no two laws and no two points are alike.
     """
-    made = field(law)
+    routes = field(law)
 
-    assert made == field(law)
-    assert made[:2] == field(law, count=2)
-    assert len({scenario_id(each) for each in (*made, *field(law, seed=6))}) == 6
-    for each in made:
+    assert routes == field(law)
+    assert routes[:2] == field(law, count=2)
+    assert len({scenario_id(each) for each in (*routes, *field(law, seed=6))}) == 6
+    for each in routes:
         assert each.legs == 40
         assert len(np.unique(each.points, axis=0)) == 41
 

@@ -151,10 +151,12 @@ def test_nl_files_of_routes_are_solved_to_lengths_in_the_interval(tmp_path):
         problem = {"x": casadi.vertcat(*file.x), "f": file.f, "g": casadi.vertcat(*file.g)}
         quiet = {"print_time": False, "ipopt": {"print_level": 0, "sb": "yes"}}
         solver = casadi.nlpsol("solver", "ipopt", problem, quiet)
-        found = solver(x0=file.x_init, lbx=file.x_lb, ubx=file.x_ub, lbg=file.g_lb, ubg=file.g_ub)
+        solution = solver(
+            x0=file.x_init, lbx=file.x_lb, ubx=file.x_ub, lbg=file.g_lb, ubg=file.g_ub
+        )
 
         assert solver.stats()["success"]
-        assert float(found["f"]) == pytest.approx(float(row["reference_high"]), rel=1e-6)
+        assert float(solution["f"]) == pytest.approx(float(row["reference_high"]), rel=1e-6)
 
 
 def test_scip_proves_the_disjunctions_file_within_the_interval(tmp_path):

@@ -315,8 +315,8 @@ def test_scenarios_that_are_none_of_a_suite_have_its_general_limit(tmp_path, cap
 
     assert expected.items() <= asked.items()
     assert [asked[key] for key in asked.keys() - expected.keys()] == [10.0, 10.0]
-    said = f"2 of {len(frame)} scenarios are none of benchmark-route; they are asked with its"
-    assert said in caplog.text
+    message = f"2 of {len(frame)} scenarios are none of benchmark-route; they are asked with its"
+    assert message in caplog.text
 
 
 ROUTES = (

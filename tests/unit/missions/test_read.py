@@ -406,10 +406,10 @@ def test_a_compass_heading_is_true(place, course, mission_of):
 
     x, y = mission.plane.to_plane([(step["lon2"], step["lat2"])])[0]
     point = mission.points[1]
-    drawn = math.atan2(y - point.y, x - point.x)
+    angle = math.atan2(y - point.y, x - point.x)
     # across, lengths on the plane are longer, which turns a slanted step a little
     distortion = mission.plane.distortion([point[:2]])
-    assert math.remainder(point.heading - drawn, math.tau) == pytest.approx(
+    assert math.remainder(point.heading - angle, math.tau) == pytest.approx(
         0, abs=distortion + 1e-6
     )
 

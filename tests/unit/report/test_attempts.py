@@ -143,34 +143,36 @@ def numbers_are_those_of(found, rows):
     asked = set(rows["solver"]) or set(every["solver"])
     assert {line["solver"] for line in lines} == asked
     for line in lines:
-        own = rows[rows["solver"] == line["solver"]]
-        assert line["attempts"] == len(own)
-        right = own["verdict"].isin(["optimal", "none exists"])
-        assert line["questions"] == pytest.approx(own["weight"].sum(), abs=1e-5)
-        assert line["right"] == pytest.approx(own.loc[right, "weight"].sum(), abs=1e-5)
-        assert line["false_claims"] == own["false_claim"].sum()
-        assert line["not_returned"] == (own["outcome"] == "timeout").sum()
+        solver_rows = rows[rows["solver"] == line["solver"]]
+        assert line["attempts"] == len(solver_rows)
+        right = solver_rows["verdict"].isin(["optimal", "none exists"])
+        assert line["questions"] == pytest.approx(solver_rows["weight"].sum(), abs=1e-5)
+        assert line["right"] == pytest.approx(solver_rows.loc[right, "weight"].sum(), abs=1e-5)
+        assert line["false_claims"] == solver_rows["false_claim"].sum()
+        assert line["not_returned"] == (solver_rows["outcome"] == "timeout").sum()
         # a solver that never returned has solved nothing that could be timed
-        timed = own if (own["outcome"] == "returned").any() else own.iloc[:0]
+        timed = (
+            solver_rows if (solver_rows["outcome"] == "returned").any() else solver_rows.iloc[:0]
+        )
         assert line["wall_s"] == pytest.approx(timed["wall_s"].median(), nan_ok=True)
-        assert all(line[v] == (own["verdict"] == v).sum() for v in VERDICTS)
+        assert all(line[v] == (solver_rows["verdict"] == v).sum() for v in VERDICTS)
     for solver, shares in gap_shares(found).items():
         gaps = rows.loc[rows["solver"] == solver, "gap"].fillna(np.inf).clip(lower=0)
         for gap in (1e-10, 1e-4, 10.0):
             assert shares.loc[gap] == pytest.approx((gaps <= gap * (1 + 1e-12)).mean())
     for line in solver_times(found).to_dict("records"):
-        own = rows[(rows["solver"] == line["solver"]) & (rows["initial_guess"] == "cold")]
-        expected = own["solve_s"].quantile([0.25, 0.5, 0.75]).tolist()
+        solver_rows = rows[(rows["solver"] == line["solver"]) & (rows["initial_guess"] == "cold")]
+        expected = solver_rows["solve_s"].quantile([0.25, 0.5, 0.75]).tolist()
         given = [line[f"solve_s{suffix}"] for suffix in ("_q1", "", "_q3")]
         assert given == pytest.approx(expected, nan_ok=True)
     bad = rows[~rows["verdict"].isin(["optimal", "none exists", PRESOLVED])]
     table = failures(found)
     assert table["attempts"].sum() == len(bad)
-    said = [
+    messages = [
         m if isinstance(m, str) and m else s
         for m, s in zip(bad.message, bad.native_status, strict=True)
     ]
-    assert set(table["message"]) == set(map(gist, said))
+    assert set(table["message"]) == set(map(gist, messages))
 
 
 def of_gaps(gaps):

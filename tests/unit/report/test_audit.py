@@ -172,8 +172,8 @@ def test_the_bias_is_what_ipopt_returns(radius):
     got = solve(x0=[turn, 0.5, straight], lbx=0, ubx=np.inf, lbg=0, ubg=0)["x"].full().ravel()
 
     with ctx.workdps(exact.WORKING):
-        held = exact.biased(problem, "LS")
-        expected = [float(value) for value in held]
+        biased = exact.biased(problem, "LS")
+        expected = [float(value) for value in biased]
     # Ipopt stops at a complementarity near mu, not at mu: z2 to a few parts in a hundred
     assert got[1] == pytest.approx(expected[1], rel=0.05)
     assert got - [turn, 0, straight] == pytest.approx(
@@ -276,16 +276,16 @@ def test_statements_by_other_means(found):
     nu = -np.column_stack((np.cos(ends), np.sin(ends)))
     from_tangent = np.arctan(nu[:, 1] / nu[:, 0])
     final = 1 + np.cos(ends - from_tangent)  # (2.15) at the end
-    said = {statement["where"]: statement["finding"] for statement in found["statements"]}
+    findings = {statement["where"]: statement["finding"] for statement in found["statements"]}
 
-    assert f"{outside} of the 14" in said["section 2, (4.7)"]
-    assert f"{int((final > 1).sum())} of the 14" in said["after (2.8)"]
+    assert f"{outside} of the 14" in findings["section 2, (4.7)"]
+    assert f"{int((final > 1).sum())} of the 14" in findings["after (2.8)"]
     ratios = [
         max(a.length, b.length) / min(a.length, b.length) for a, b in list(pairwise(paths))[::2]
     ]
-    assert f"up to {max(ratios):.2f} times" in said["(2.4)-(2.15)"]
-    assert "14 of the 14" in said["(2.4)-(2.15)"]
-    assert said["section 6"].startswith("9 of the 9 are whole ticks")
+    assert f"up to {max(ratios):.2f} times" in findings["(2.4)-(2.15)"]
+    assert "14 of the 14" in findings["(2.4)-(2.15)"]
+    assert findings["section 6"].startswith("9 of the 9 are whole ticks")
     assert [s["where"] for s in found["statements"] if s["holds"]] == ["(4.10), (4.11)"]
 
 

@@ -74,10 +74,10 @@ def test_the_worth_of_each_claim(load_rows):
     """
     presolved = honest(DISC, "scip", Claim.INFEASIBLE, None, "LS", presolved=True)
     rows = [row | {"repeat": n} for n, (row, _) in enumerate(WORTHS)]
-    made = frame(load_rows, [presolved, *rows])
-    proofs = false_proofs(made).set_index("proof")["most"].dropna()
+    table = frame(load_rows, [presolved, *rows])
+    proofs = false_proofs(table).set_index("proof")["most"].dropna()
 
-    assert made["truth"].tolist() == [worth for _, worth in WORTHS]
+    assert table["truth"].tolist() == [worth for _, worth in WORTHS]
     assert proofs.to_dict() == pytest.approx({PROOFS[0]: 0.1, PROOFS[1]: 5e-8})
 
 
@@ -220,19 +220,19 @@ def test_multipliers_are_compared_with_costates_that_are_there(load_rows):
     lost.
     """
     scenario = paper_scenarios()[0]
-    kept = attempt(scenario, "slsqp", costate_error=1e-9, **PROVED)
-    made = [
-        kept,
-        kept | {"repeat": 1, "word": "L"},
-        kept | {"repeat": 2, "pmp_residual": 0.1},
-        kept | {"repeat": 3, "costate_error": None},
-        kept | {"repeat": 4, "gap": None},
+    base = attempt(scenario, "slsqp", costate_error=1e-9, **PROVED)
+    variants = [
+        base,
+        base | {"repeat": 1, "word": "L"},
+        base | {"repeat": 2, "pmp_residual": 0.1},
+        base | {"repeat": 3, "costate_error": None},
+        base | {"repeat": 4, "gap": None},
     ]
 
-    table = proofs(load_rows("tiny", made).attempts)
+    table = proofs(load_rows("tiny", variants).attempts)
 
     assert table[["attempts", "multipliers", "costate_error"]].to_numpy().tolist() == [[5, 1, 1e-9]]
-    for row in made[1:]:
+    for row in variants[1:]:
         alone = proofs(load_rows(f"only-{row['repeat']}", [row]).attempts)
         assert alone["multipliers"].tolist() == [0]
 

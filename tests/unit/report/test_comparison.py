@@ -78,8 +78,8 @@ def test_means_ranks_and_shares(asked):
 
     Half the questions are at the limit of 2 s.
     """
-    made = compared(asked(answers()))
-    ranked, shift = mean_ranks(made)
+    comparison = compared(asked(answers()))
+    ranked, shift = mean_ranks(comparison)
     joint = ranked.loc["ipopt[model=joint]"]
     joint_times = [4e-3 * (1 + n / 100) for n in range(0, 12, 2)]
 
@@ -102,13 +102,16 @@ def test_a_late_answer_is_a_failure_everywhere(asked, limit_s):
     rows += [answer(q, "ipopt", 3.0, right=True, limit_s=limit_s) for q in QUESTIONS[:3]]
     rows += [answer(q, "ipopt", 1e-3, right=True, limit_s=limit_s) for q in QUESTIONS[3:]]
     results = asked(rows)
-    made = compared(results)
+    comparison = compared(results)
     counts = solver_summary(results.attempts).set_index("solver").loc["ipopt"]
     lost = 3 if limit_s is None else 0
 
-    assert made.rows.groupby("solver")["right"].sum().to_dict() == {"ipopt": 12 - lost, "slsqp": 12}
-    assert np.isinf(times(made)["ipopt"]).sum() == lost
-    assert mean_ranks(made)[0].loc["ipopt", "right"] == pytest.approx(1 - lost / 12)
+    assert comparison.rows.groupby("solver")["right"].sum().to_dict() == {
+        "ipopt": 12 - lost,
+        "slsqp": 12,
+    }
+    assert np.isinf(times(comparison)["ipopt"]).sum() == lost
+    assert mean_ranks(comparison)[0].loc["ipopt", "right"] == pytest.approx(1 - lost / 12)
     assert (counts["right"], counts["late"], counts["optimal"]) == (12 - lost, lost, 12 - lost)
     assert failures(results.attempts)["attempts"].sum() == lost
 
@@ -118,8 +121,8 @@ def test_paired_tests_share_a_formulation(asked):
 
     Twelve wins of twelve: p = 2 / 2^12 by the exact sign test.
     """
-    made = compared(asked(answers()))
-    (test,) = formulation_tests(times(made), mean_ranks(made)[0]).to_dict("records")
+    comparison = compared(asked(answers()))
+    (test,) = formulation_tests(times(comparison), mean_ranks(comparison)[0]).to_dict("records")
 
     assert (test["formulation"], test["solver"], test["rival"]) == (WORD, "slsqp", "ipopt")
     assert (test["wins"], test["losses"]) == (12, 0)
@@ -165,7 +168,7 @@ def costly(scenario, solver="ipopt", **changes):
 
     10 of 200 are those of the winning run, 5 lie outside of all.
     """
-    made = {
+    columns = {
         "engine": "Ipopt",
         "subproblems": "LS RS LR RL",
         "subproblem_runs": [3.0, 1.0, 5.0, 5.0],
@@ -178,7 +181,7 @@ def costly(scenario, solver="ipopt", **changes):
         "solve_s": 0.2,
         "wall_s": 0.23,
     }
-    return attempt(scenario, solver, claim=Claim.LOCAL, **(made | changes))
+    return attempt(scenario, solver, claim=Claim.LOCAL, **(columns | changes))
 
 
 presolved = partial(costly, solver="ipopt[presolve=True]")
@@ -191,8 +194,8 @@ def attempts(load_rows):
 
 
 def test_every_evaluation_and_second_has_one_kind(attempts):
-    made = attempts([costly(scenario) for scenario in outside()])
-    parts = split(made)
+    comparison = attempts([costly(scenario) for scenario in outside()])
+    parts = split(comparison)
     numbers = {
         "evaluations": [10, 190, 0, 5, 205],
         "seconds": [0.01, 0.19, 0.02, 0.01, 0.23],
@@ -214,12 +217,12 @@ def test_shares(load_rows):
     results = load_rows(
         "benchmark", [make(scenario) for scenario in outside() for make in (costly, presolved)]
     )
-    made = compared(results)
+    comparison = compared(results)
     names = [block.name for block in cost_section(results).blocks]
-    part = shares(made, split(made)["evaluations"]).loc["ipopt"]
+    part = shares(comparison, split(comparison)["evaluations"]).loc["ipopt"]
 
     assert names == ["cost-evaluations", "cost-seconds"]
-    assert presolve_pairs(made.engines) == [("ipopt", "ipopt[presolve=True]")]
+    assert presolve_pairs(comparison.engines) == [("ipopt", "ipopt[presolve=True]")]
     assert part["other runs"] == pytest.approx(190 / 205)
 
 
@@ -236,9 +239,9 @@ def test_wrong_answers_and_engines_that_do_not_count(attempts):
         subproblem_evaluations=[float("nan")] * 4,
     )
     wrong = attempt(second, "ipopt", path=None, claim=Claim.FAILED, best_run_s=0.5)
-    made = attempts([uncounted, wrong])
-    parts = split(made)
+    comparison = attempts([uncounted, wrong])
+    parts = split(comparison)
 
     assert parts["evaluations"]["total"].isna().all()
     assert parts["seconds"]["total"].tolist() == [0.23]
-    assert shares(made, parts["evaluations"]).empty
+    assert shares(comparison, parts["evaluations"]).empty

@@ -33,18 +33,18 @@ def rows():
 
     The QP has order 3 outside and 2 in the disc; collocation misses with order 3.
     """
-    made = []
+    attempts = []
     for n in (10, 20, 40):
         for where, p in ((FAR, 3), (NEAR, 2)):
-            made += [
+            attempts += [
                 attempt(scenario, f"turn-rate-qp[n={n}]", gap=factor / n**p, wall_s=n / 1e3)
                 for scenario, factor in zip(where, (1.0, 2.0, 4.0), strict=True)
             ]
-        made += [
+        attempts += [
             attempt(scenario, RAW.format(n), gap=None, miss=1.0 / n**3, verdict="misses")
             for scenario in FAR
         ]
-    return made
+    return attempts
 
 
 @pytest.fixture
@@ -78,8 +78,8 @@ def test_what_does_not_arrive_is_infinitely_far_off(attempts_of):
     rest.
     """
     lost = [row | {"gap": None} for row in rows()[:3]]  # n = 10 outside
-    made = [*lost[:2], *rows()[2:]]
-    table = medians(attempts_of(made))
+    attempts = [*lost[:2], *rows()[2:]]
+    table = medians(attempts_of(attempts))
     line = table[(table["place"] == "outside") & (table["size"] == 10)].iloc[0]
 
     assert line["value"] == math.inf
@@ -109,12 +109,12 @@ def frozen(engine, label, wall_s, interface="own", verdict="optimal", repeat=0, 
     spec = f"convex[engine={engine.lower()},interface={interface}]"
     named = {"scenario_id": label, "label": label, "branch": "frozen", "verdict": verdict}
     given = {"engine": engine, "formulation": "frozen convex problem", "tolerance": 1e-6}
-    found = {"miss": 1e-9, "dual_residual": 1e-9, "duality_gap": 1e-9, "reference_low": 0.0}
+    residuals = {"miss": 1e-9, "dual_residual": 1e-9, "duality_gap": 1e-9, "reference_low": 0.0}
     times = {"wall_s": wall_s, "floor_s": 1e-4, "repeat": repeat, "limit_s": 2.0}
     return attempt(
         paper_scenarios()[0],
         spec,
-        **(named | given | found | times | {"claim": Claim.OPTIMAL} | changes),
+        **(named | given | residuals | times | {"claim": Claim.OPTIMAL} | changes),
     )
 
 
@@ -146,12 +146,12 @@ def test_convex_problems_by_hand(load_rows):
     """
     results = load_rows("convex", frozen_rows())
     rows = with_parts(results.rows)
-    own = rows[rows["interface"] == "own"]
-    methods = by_method(own).set_index(["family", "name"])
+    direct = rows[rows["interface"] == "own"]
+    methods = by_method(direct).set_index(["family", "name"])
     section = convex_section(results)
     profiles, engines = section.blocks
-    shift = shift_of(own)
-    limit = own["limit_s"].max()
+    shift = shift_of(direct)
+    limit = direct["limit_s"].max()
     lines = engines.frame.set_index(["family", "name"])
 
     assert methods["right"].to_dict() == {

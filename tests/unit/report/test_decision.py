@@ -27,8 +27,8 @@ WORDS = ("one NLP a word", "words")
 
 
 def row(question, solver, **changes):
-    made = {"experiment": "leg", "guesses": "words", "outcome": "returned"} | changes
-    return compared_row(question, solver, **made)
+    columns = {"experiment": "leg", "guesses": "words", "outcome": "returned"} | changes
+    return compared_row(question, solver, **columns)
 
 
 def test_the_surest_is_the_one_with_the_highest_lower_end():
@@ -84,8 +84,8 @@ def test_an_engine_stops_where_it_is_right_on_half_or_fewer():
                 rows.append(row(q, "b", label=label, via_x=via, right=False))
     plain = pd.DataFrame([row(q, "a", label="leg") for q in range(4)])
 
-    found = stops(pd.DataFrame(rows), ["short", "long"])
-    assert found == {WORDS: "0, 5"}
+    limits = stops(pd.DataFrame(rows), ["short", "long"])
+    assert limits == {WORDS: "0, 5"}
     assert stops(plain, ["leg"]) == {}
 
 
@@ -169,16 +169,18 @@ def rows(questions: int, *specs: str) -> list[dict[str, object]]:
 
     The file's are wrong at every other question.
     """
-    made = []
+    attempts = []
     for number in range(questions):
         scenario = Scenario(target_x=4 + number, target_y=2)
         lost = {"path": astray(scenario)} if number % 2 else {}
-        made += [attempt(scenario, formulation="closed form", engine="closed form", guess="none")]
+        attempts += [
+            attempt(scenario, formulation="closed form", engine="closed form", guess="none")
+        ]
         for name, engine in (("ipopt", "Ipopt"), ("slsqp", "SLSQP")):
-            made.append(attempt(scenario, name, claim=Claim.LOCAL, engine=engine))
+            attempts.append(attempt(scenario, name, claim=Claim.LOCAL, engine=engine))
         method = {"engine": "SciPy least_squares", "formulation": WORDS[0], "claim": Claim.LOCAL}
-        made += [attempt(scenario, spec, **method, **lost) for spec in specs]
-    return made
+        attempts += [attempt(scenario, spec, **method, **lost) for spec in specs]
+    return attempts
 
 
 def test_it_is_named_by_its_own_name(load_rows):

@@ -76,8 +76,8 @@ def test_messages_that_differ_in_numbers_are_one(folder):
     stopped = lines.loc[("a", "timeout", "none")]
     assert (stopped["message"], stopped["attempts"]) == ("stopped after # s; the limit is # s", 2)
     assert (stopped["target_x"], stopped["target_y"]) == (2, 2.5)
-    said = lines.loc[("b", "returned", "none")]
-    assert (said["message"], said["attempts"], said["repeat"]) == ("off by #", 2, 1)
+    line = lines.loc[("b", "returned", "none")]
+    assert (line["message"], line["attempts"], line["repeat"]) == ("off by #", 2, 1)
 
 
 def test_the_section_counts_and_its_commands_repeat_a_failure(folder, tmp_path):
@@ -281,8 +281,8 @@ def test_a_presolve_that_answers_all_leaves_the_engine_out(load_rows):
 
     Without a question that has no path there is no section.
     """
-    made = [ask(INSIDE[0], Claim.INFEASIBLE, presolved=True)]
-    results = load_rows("e", made)
+    attempts = [ask(INSIDE[0], Claim.INFEASIBLE, presolved=True)]
+    results = load_rows("e", attempts)
     line = line_of(results)
     (table,) = existence_section(results).blocks
     asked = [ask(OUTSIDE[2], Claim.LOCAL, "exact")]

@@ -275,12 +275,12 @@ def test_many_methods_of_one_strange_formulation_are_drawn(formulation, load_row
     ]
     loaded = load_rows("strange", strange)
     with drawing():
-        drawn = drawn_of(s for topic in TOPICS for s in sections_of(topic, loaded))
-        files = [figure_bytes(block.figure, "svg") for block in drawn]
+        figure_blocks = drawn_of(s for topic in TOPICS for s in sections_of(topic, loaded))
+        files = [figure_bytes(block.figure, "svg") for block in figure_blocks]
 
-    assert {"times", "gap-profile-strange"} <= {block.name for block in drawn}
+    assert {"times", "gap-profile-strange"} <= {block.name for block in figure_blocks}
     assert all(files)
-    for block in drawn:
+    for block in figure_blocks:
         assert block.figure.get_size_inches()[1] < 7, block.name
 
 

@@ -38,18 +38,18 @@ def row(question: int, solver: str, **changes: Any) -> Row:
 
     It takes 1 ms; times differ a little from question to question.
     """
-    made = compared_row(
+    answer = compared_row(
         question,
         solver,
         **{"engine": "Ipopt", "gap": 1e-12, "tolerance": 1e-8, "margin": 1.0, "evaluations": 10.0},
         **dict.fromkeys(("x", "y", "heading", "target_y"), 0.0),
         target_x=4.0 + question,
     )
-    made |= changes
-    made["wall_s"] *= 1 + (question % 7) / 50
-    if not made["right"] and made["verdict"] == "optimal":
-        made |= {"verdict": "misses", "gap": float("nan"), "claim": "failed"}
-    return made
+    answer |= changes
+    answer["wall_s"] *= 1 + (question % 7) / 50
+    if not answer["right"] and answer["verdict"] == "optimal":
+        answer |= {"verdict": "misses", "gap": float("nan"), "claim": "failed"}
+    return answer
 
 
 def evidence(rows: Iterable[Row]) -> Evidence:
@@ -110,19 +110,24 @@ def routes(
 
     The effect is one of them.
     """
-    made = []
+    attempts = []
     for q in range(n):
         legs = sizes[q % 4]
         same: Row = {"label": "short", "via_x": [1.0] * (legs - 1)}
         mine = slow if effect else 1.0
         other = legs ** (power if effect else 1.0)
-        own = {"engine": "none", "formulation": "closed form", "guess": "none", "claim": "optimal"}
-        made.append(row(q, "analytic", **own, **same, wall_s=1e-3 * mine * other))
+        columns = {
+            "engine": "none",
+            "formulation": "closed form",
+            "guess": "none",
+            "claim": "optimal",
+        }
+        attempts.append(row(q, "analytic", **columns, **same, wall_s=1e-3 * mine * other))
         found_it = right(legs) or not effect
-        made.append(row(q, "ipopt", **same, wall_s=1e-3 * other, right=found_it))
+        attempts.append(row(q, "ipopt", **same, wall_s=1e-3 * other, right=found_it))
         if power != 1.0:
-            made[-2]["wall_s"] = 1e-3 * legs * (1 + (q % 7) / 50)
-    return made
+            attempts[-2]["wall_s"] = 1e-3 * legs * (1 + (q % 7) / 50)
+    return attempts
 
 
 def tours(n: int, effect: bool) -> list[Row]:
@@ -130,16 +135,16 @@ def tours(n: int, effect: bool) -> list[Row]:
 
     The effect makes half of the optima longer.
     """
-    made = []
+    attempts = []
     for q in range(n):
         same: Row = {"scenario_id": f"tour {q}", "closed": False, "via_x": [1.0], "message": ""}
         same |= {"lower_bound": 5.0, "reference_high": 5.0, "visit_order": [0.0], "late": False}
         solved = same | {"native_status": "kOptimal", "formulation": "tour MILP", "engine": "HiGHS"}
         if effect and q % 2:
             solved |= {"verdict": "longer", "gap": 0.03, "visit_order": [1.0]}
-        made.append(row(q, "analytic", **same, native_status="", claim="optimal"))
-        made.append(row(q, GRID, **solved))
-    return made
+        attempts.append(row(q, "analytic", **same, native_status="", claim="optimal"))
+        attempts.append(row(q, GRID, **solved))
+    return attempts
 
 
 CASES = [
@@ -260,11 +265,11 @@ def test_the_search_is_held_against_the_fastest_of_those_that_are_as_sure():
         for long in [one["label"] == "long"]
     ]
     never = [one | {"solver": "uno", "engine": "Uno", "right": False} for one in ipopt]
-    told = found.proof_of_routes(evidence(rows + slsqp + never)).question
+    question = found.proof_of_routes(evidence(rows + slsqp + never)).question
 
-    assert "Uno" not in told
-    assert "4.0 (4.0 to 4.0) times as long as Ipopt on 40 routes with short" in told
-    assert "8.0 (8.0 to 8.0) times as long as SLSQP" in told
+    assert "Uno" not in question
+    assert "4.0 (4.0 to 4.0) times as long as Ipopt on 40 routes with short" in question
+    assert "8.0 (8.0 to 8.0) times as long as SLSQP" in question
     assert (
         found.proof_of_routes(evidence([one for one in rows if one not in ipopt] + never)) is None
     )
@@ -330,12 +335,12 @@ def test_a_sentence_on_engines_holds_for_other_engines():
     """
 
     def rows(gains: int) -> list[Row]:
-        made = []
+        attempts = []
         for number, engine in enumerate("abcd"):
             words = {"solver": f"{engine}-words", "engine": engine}
             joint = {"solver": f"{engine}-joint", "engine": engine, "formulation": JOINT}
-            made += of_two(words, joint, half_wrong)(MANY, number < gains)
-        return made
+            attempts += of_two(words, joint, half_wrong)(MANY, number < gains)
+        return attempts
 
     every = found.words_against_joint(evidence(rows(4)))
     assert every is not None

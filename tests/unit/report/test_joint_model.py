@@ -51,7 +51,7 @@ def test_the_minima_are_those_of_brute_force(scenario):
     = 0 and wherever it drops, and `minimum` knows each of them by its length.
     """
     R = scenario.radius
-    found = []
+    minima = []
     last = math.inf
     for z1 in np.arange(0, 3 * math.tau, 1e-3):
         pose = Path(scenario.start, [1 / R], [z1 * R]).end
@@ -60,11 +60,11 @@ def test_the_minima_are_those_of_brute_force(scenario):
         # inside the right-hand circle of that pose there is no RS
         length = math.inf if rest is None else (z1 + rest.total) * R
         if length < last:
-            found.append(minimum(scenario, length))
+            minima.append(minimum(scenario, length))
         last = length
 
     # past a drop the length is flat to third order, so the step adds nothing that is seen
-    assert found == [("RS", 0), ("LS", 0), ("LS", 1), ("LS", 2)]
+    assert minima == [("RS", 0), ("LS", 0), ("LS", 1), ("LS", 2)]
     assert minimum(scenario, shortest(scenario).total * R + 0.1 * R) is None
 
 

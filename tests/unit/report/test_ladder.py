@@ -42,14 +42,14 @@ def rows():
 
     The exact path is everywhere; the other solver follows the circle where its miss is below 1e-6.
     """
-    made = []
+    attempts = []
     for arc in (FRONT, REAR):
         for margin in (*MARGINS, *(-m for m in MARGINS)):
             scenario = target(arc, margin)
-            made.append(row(scenario, "collocation"))
+            attempts.append(row(scenario, "collocation"))
             near = abs(margin) < 1e-6
-            made.append(row(scenario, "ipopt", along(scenario, arc) if near else "exact"))
-    return made
+            attempts.append(row(scenario, "ipopt", along(scenario, arc) if near else "exact"))
+    return attempts
 
 
 def test_a_short_path_is_told_from_a_right_one(load_rows):

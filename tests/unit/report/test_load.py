@@ -293,10 +293,10 @@ def test_tours_and_free_starts_are_judged_anew_as_they_were(tmp_path):
     table, recheck = judged_anew(read_part(file), read_manifest(folder))
 
     assert (recheck.judged, recheck.changed) == (len(asked), 0)
-    found = table.to_pylist()
-    assert {row["verdict"] for row in found} == {"optimal"}
+    lines = table.to_pylist()
+    assert {row["verdict"] for row in lines} == {"optimal"}
     for name in ("visits", "visit_order", "start_heading", "reference_word"):
-        assert [row[name] for row in found] == [row[name] for row in rows], name
+        assert [row[name] for row in lines] == [row[name] for row in rows], name
 
 
 def test_what_did_not_return_has_no_path(here, tmp_path):

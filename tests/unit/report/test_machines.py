@@ -135,11 +135,11 @@ def test_a_question_with_two_limits_is_named(tmp_path, caplog):
     """
     folders = suites(tmp_path, limit_s=10.0)
     page = render(folders, tmp_path / "page")
-    said = "1 of its questions have another time limit in a folder before it"
+    message = "1 of its questions have another time limit in a folder before it"
 
     assert [folder.rows.other_limits for folder in load(folders).folders] == [0, 1]
-    assert f"{folders[1]}: {said}" in caplog.text
-    assert said in page.read_text(encoding="utf-8")
+    assert f"{folders[1]}: {message}" in caplog.text
+    assert message in page.read_text(encoding="utf-8")
 
 
 def test_questions_with_one_limit_are_not(tmp_path, caplog):

@@ -77,9 +77,9 @@ def test_a_panel_has_at_most_ten_engines():
     """
     lines = [method(WORDS, f"e{n:02}", share=n / 20) for n in range(14)]
     frame = pd.DataFrame([method("closed form", "closed form"), *lines, method(JOINT, "e00")])
-    drawn = drawn_methods(frame)
+    panel = drawn_methods(frame)
 
-    assert drawn["engine"].tolist() == [*(f"e{n:02}" for n in range(4, 14)), "e00"]
+    assert panel["engine"].tolist() == [*(f"e{n:02}" for n in range(4, 14)), "e00"]
 
 
 def labelled(label, place, solver, right, **changes):
@@ -99,11 +99,11 @@ def benchmark(load_rows):
 
     The engine b was not to be had where the manifest was written.
     """
-    made = [labelled("near", n, "a", right=n < 3) for n in range(4)]
-    made += [labelled("far", n, "a", right=True) for n in range(4)]
-    made += [labelled(s, n, "b", right=False) for s in ("near", "far") for n in range(4)]
-    made += [labelled("far", 0, "mine", right=True, formulation=JOINT)]
-    made += [labelled("far", 0, "closed form", right=True, formulation="closed form")]
+    attempts = [labelled("near", n, "a", right=n < 3) for n in range(4)]
+    attempts += [labelled("far", n, "a", right=True) for n in range(4)]
+    attempts += [labelled(s, n, "b", right=False) for s in ("near", "far") for n in range(4)]
+    attempts += [labelled("far", 0, "mine", right=True, formulation=JOINT)]
+    attempts += [labelled("far", 0, "closed form", right=True, formulation="closed form")]
     text = 'label = "near"\nlabel = "far"\n'
     experiment = {"name": "e", "text": text, "section": "benchmark"}
     entries = [
@@ -114,7 +114,7 @@ def benchmark(load_rows):
         *(entry(WORDS, "SCIP", "global"), entry(JOINT, "SCIP", "global", "too slow")),
     ]
     dumped = [each.model_dump() for each in entries]
-    return load_rows("e", made, experiment=experiment, matrix=dumped)
+    return load_rows("e", attempts, experiment=experiment, matrix=dumped)
 
 
 def test_the_section_shows_every_pair_and_every_reason(benchmark):

@@ -113,10 +113,10 @@ def folder_rows():
     rows = [attempt(where(radius), **exact) for radius in RADII]
     rows += [attempt(where(radius), "slsqp", wall_s=1e-3) for radius in RADII if radius != 55.0]
     rows += [attempt(where(radius), "slsqp", initial_guess="warm", wall_s=9.0) for radius in RADII]
-    made = {"verdict": "longer", "formulation": "turn rates"}
+    columns = {"verdict": "longer", "formulation": "turn rates"}
     rows += [
-        attempt(where(20.0), "turn-rate-qp", gap=0.005, **made),
-        attempt(where(40.0), "turn-rate-qp", gap=0.5, **made),
+        attempt(where(20.0), "turn-rate-qp", gap=0.005, **columns),
+        attempt(where(40.0), "turn-rate-qp", gap=0.5, **columns),
     ]
     wrong = {"path": astray(where(55.0)), "claim": Claim.FAILED, "formulation": "turn rates"}
     rows.append(attempt(where(55.0), "turn-rate-qp", **wrong))
@@ -134,10 +134,10 @@ def test_only_visibly_wrong_answers_are_drawn(loaded):
     Half a percent lies on the line of the shortest lengths.
     """
     (rows,) = sweep_rows(loaded.rows).values()
-    drawn = visibly_wrong(rows)
+    lines = visibly_wrong(rows)
 
-    assert drawn["radius"].tolist() == [40.0, 55.0]
-    assert drawn["gap"].notna().tolist() == [True, False]
+    assert lines["radius"].tolist() == [40.0, 55.0]
+    assert lines["gap"].notna().tolist() == [True, False]
 
 
 def test_a_sweep_is_a_figure_that_names_the_words_and_the_circle(loaded):
@@ -159,20 +159,24 @@ def warm_rows():
     One saves, one pays, two are the same: one counts no iterations, the other none for a cold
     start.
     """
-    made = []
+    attempts = []
     for place, radius in enumerate((1.0, 1.1, 1.2, 1.3, 1.4)):
         where = sweep_scenario(radius)
         for start, time, work in (("cold", 0.01, 10), ("warm", 0.001 * (place + 1), 5)):
-            made.append(attempt(where, "ipopt", initial_guess=start, wall_s=time, iterations=work))
+            attempts.append(
+                attempt(where, "ipopt", initial_guess=start, wall_s=time, iterations=work)
+            )
         for start, time, work in (("cold", 0.01, 10), ("warm", 0.02, 30)):
-            made.append(attempt(where, "slsqp", initial_guess=start, wall_s=time, iterations=work))
-        made += [
+            attempts.append(
+                attempt(where, "slsqp", initial_guess=start, wall_s=time, iterations=work)
+            )
+        attempts += [
             attempt(where, solver, initial_guess=start, iterations=iterations)
             for solver, counts in (("shooting", (None, None)), ("penalty", (0, 3)))
             for start, iterations in zip(("cold", "warm"), counts, strict=True)
         ]
-        made.append(attempt(where, "never-warm"))
-    return made
+        attempts.append(attempt(where, "never-warm"))
+    return attempts
 
 
 def test_ratios_by_hand(load_rows):

@@ -31,7 +31,7 @@ def test_limits_are_apart(load_rows):
     An attempt that closes in 100 s is none of the row of 10 s; no bound is the bound 0; a late
     answer and a claim that is false close nothing.
     """
-    made = [
+    attempts = [
         row(0, 10.0, 8.0),
         row(1, 10.0, None),
         row(2, 10.0, 9.0, Claim.OPTIMAL, "longer"),
@@ -40,20 +40,20 @@ def test_limits_are_apart(load_rows):
         row(5, 100.0, 10.5),
         lost(paper_scenarios()[0], SOLVER, scenario_id="6", formulation="headings"),
     ]
-    results = load_rows("benchmark-route", made)
+    results = load_rows("benchmark-route", attempts)
     table = by_limit(results.rows[results.rows["formulation"] == "disjunction"])
-    found = table.set_index("limit_s")
+    lines = table.set_index("limit_s")
 
     assert table["legs"].tolist() == [2, 2]
-    assert found["closed_share"].tolist() == [0.0, pytest.approx(1 / 3)]
-    assert found["bound_gap"].tolist() == [pytest.approx(0.2), 0.0]
-    assert found["wall_s"].tolist() == [5.0, 50.0]
+    assert lines["closed_share"].tolist() == [0.0, pytest.approx(1 / 3)]
+    assert lines["bound_gap"].tolist() == [pytest.approx(0.2), 0.0]
+    assert lines["wall_s"].tolist() == [5.0, 50.0]
     assert len(proofs_section(results).blocks[0].frame) == 2
-    assert not math.isnan(found["closed_low"].sum())
+    assert not math.isnan(lines["closed_low"].sum())
 
 
 def test_no_proofs_no_section(load_rows):
     """Rows of other formulations have none."""
-    made = [row(0, 10.0, 8.0, formulation="headings")]
+    attempts = [row(0, 10.0, 8.0, formulation="headings")]
 
-    assert proofs_section(load_rows("benchmark-route", made)) is None
+    assert proofs_section(load_rows("benchmark-route", attempts)) is None

@@ -89,9 +89,9 @@ def test_a_repeat_is_a_part_of_a_route(load_rows):
     Two right answers of three are 2/3 of one trial; open routes are counted once.
     """
     verdicts = ["optimal", "optimal", "longer"]
-    made = [row(0, "a", 2, verdict, repeat=n) for n, verdict in enumerate(verdicts)]
-    made += [row(1, "a", 2, "undecided", repeat=n) for n in range(3)]
-    (line,) = by_size(with_legs(load_rows("routes", made).rows)).to_dict("records")
+    attempts = [row(0, "a", 2, verdict, repeat=n) for n, verdict in enumerate(verdicts)]
+    attempts += [row(1, "a", 2, "undecided", repeat=n) for n in range(3)]
+    (line,) = by_size(with_legs(load_rows("routes", attempts).rows)).to_dict("records")
 
     assert (line["successes"], line["trials"]) == (pytest.approx(2 / 3), 1)
     assert line["left_open"] == 1
@@ -155,8 +155,11 @@ def test_published_lengths(load_rows):
     """
     ours = {"length": 7.46756218196, "reference_low": 7.4675621, "reference_high": 7.467562182}
     worse = ours | {"length": 7.5, "gap": 1e-2, "verdict": "longer"}
-    made = [row(0, "a", 11, label="example 4", **worse), row(0, "b", 11, label="example 4", **ours)]
-    results = load_rows("kaya", made)
+    attempts = [
+        row(0, "a", 11, label="example 4", **worse),
+        row(0, "b", 11, label="example 4", **ours),
+    ]
+    results = load_rows("kaya", attempts)
     frame = printed_routes(with_legs(results.rows)).set_index("source")
     section = printed_section(results)
 
@@ -199,8 +202,8 @@ def test_curves_count_targets_of_all_attempts():
 
     One attempt of two reaches all targets at 20 evaluations; the routes have their own panel.
     """
-    made = [traced([20.0], [10.0]), traced([5.0], [15.0])]
-    rows = pd.DataFrame(made).assign(evaluations=100.0, gap=[0.0, 0.5])
+    attempts = [traced([20.0], [10.0]), traced([5.0], [15.0])]
+    rows = pd.DataFrame(attempts).assign(evaluations=100.0, gap=[0.0, 0.5])
     one_leg = pd.DataFrame([traced(None, None)]).assign(via_x=None, evaluations=9.0, gap=1e-4)
 
     panels = runtimes(pd.concat([rows, one_leg]))
@@ -216,9 +219,9 @@ def test_a_data_profile_counts_what_is_within_its_target_in_time(load_rows):
 
     Two routes of three are within 1e-4, one of them late; the longest path is only within 1e-2.
     """
-    made = [row(0, "a", 2, gap=1e-9, wall_s=0.1), row(1, "a", 2, gap=5e-3, wall_s=0.2)]
-    made += [row(2, "a", 2, gap=1e-5, wall_s=0.3)]
-    panels = data_profiles(with_legs(load_rows("routes", made).rows))
+    attempts = [row(0, "a", 2, gap=1e-9, wall_s=0.1), row(1, "a", 2, gap=5e-3, wall_s=0.2)]
+    attempts += [row(2, "a", 2, gap=1e-5, wall_s=0.3)]
+    panels = data_profiles(with_legs(load_rows("routes", attempts).rows))
     ends = {title: round(float(table["a"].iloc[-1]), 6) for title, table in panels.items()}
 
     assert ends == {"gap up to 1e-2": 1.0, "gap up to 1e-4": 0.666667, "gap up to 1e-8": 0.333333}

@@ -108,13 +108,13 @@ def test_via_points_and_final_headings_come_back(results, tmp_path):
     They do where there are any; for the command that repeats the attempt.
     """
     plain = Scenario(target_x=3, target_y=1)
-    made = [
+    questions = [
         plain,
         replace(plain, via=[(1, -2), (3, 0.1)]),
         replace(plain, final_heading=7),
         replace(plain, via=[(5, 6)], final_heading=-1),
     ]
-    records = [lost(s, scenario_id=f"{number}") for number, s in enumerate(made)]
+    records = [lost(s, scenario_id=f"{number}") for number, s in enumerate(questions)]
     read = unpacked(sample(load([write_folder(tmp_path / "a", "a", records)]), 10))
     scenarios = read["scenarios"]
 

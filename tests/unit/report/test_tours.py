@@ -159,10 +159,10 @@ def test_what_an_engine_leaves_open_of_its_own_program(load_rows):
 
     Its message tells, in the words of the solver; a lost attempt left all open.
     """
-    made = rows()
+    attempts = rows()
     text = "bound 8, gap 0.25, of bounds over 8 intervals a point"
-    made[8] |= {"message": text, "memory_mib": 5.0, "false_bound": True}
-    table = by_engine(with_points(load_rows("benchmark-tour", made).rows)).set_index("solver")
+    attempts[8] |= {"message": text, "memory_mib": 5.0, "false_bound": True}
+    table = by_engine(with_points(load_rows("benchmark-tour", attempts).rows)).set_index("solver")
 
     assert table.loc[BOUNDS, "own_gap"] == pytest.approx(0.25)  # of 25 % and 100 % the lower
     assert math.isnan(table.loc[EXACT, "own_gap"])
@@ -233,7 +233,7 @@ def test_proved_tours_against_others(load_rows):
     """
     results = load_rows("benchmark-tour", rows())
     compared = against_proof(with_points(results.rows), SETTINGS)
-    found = {
+    gaps = {
         (kind, name): (gap, other)
         for kind, name, gap, other in zip(
             compared["kind"],
@@ -244,7 +244,7 @@ def test_proved_tours_against_others(load_rows):
         )
     }
 
-    assert found == {
+    assert gaps == {
         ("best tour of 8 headings", "a"): (0.04, False),
         ("best tour of 8 headings", "c"): (0.1, False),  # 1 0 2 is 2 0 1 driven back
         ("order by straight lines, best headings", "a"): (0.0, False),
@@ -270,22 +270,22 @@ def test_a_page_of_tours_of_all_ends(results, tmp_path):
     There are free starts, closed tours, none arriving: what the page draws and asks again is
     there.
     """
-    made = []
+    attempts = []
     for number, changes in enumerate(
         ({}, {"heading": None}, {"target_x": None, "target_y": None, "closed": True})
     ):
         scenario = tour(3, label=SPARSE, **changes)
         path = shortest_route(scenario, limit=1.0).path
         line = attempt(scenario, EXACT, path=path, formulation="closed form")
-        made.append(line | {"scenario_id": str(number)})
-    made.append(lost(tour(label=SPARSE), GRID, formulation="tour MILP"))
-    folder = results("benchmark-tour", made)
+        attempts.append(line | {"scenario_id": str(number)})
+    attempts.append(lost(tour(label=SPARSE), GRID, formulation="tour MILP"))
+    folder = results("benchmark-tour", attempts)
     page = topic_page(folder, tmp_path / "out", "tours", "single attempts", "failures")
     loaded = load([folder])
     shown = unpacked(sample(loaded, 10))
 
     scenarios = shown["scenarios"]
-    starts = {row["scenario_id"]: row["start_heading"] for row in made}
+    starts = {row["scenario_id"]: row["start_heading"] for row in attempts}
     order = [scenarios["scenario_id"][place] for place in shown["columns"]["scenario"]]
 
     assert 'id="tours"' in page.read_text(encoding="utf-8")

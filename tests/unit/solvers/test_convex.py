@@ -134,16 +134,16 @@ def test_packaged_problems_are_those_that_freezing_gives(family, made_anew):
 
     They are equal up to the rounding of the machine that wrote them.
     """
-    made = made_anew[family]
-    stored = read(made.name)
+    problem = made_anew[family]
+    stored = read(problem.name)
 
-    assert replace(made.route, label=made.name) == route(made.name)
+    assert replace(problem.route, label=problem.name) == route(problem.name)
     for name in ("p", "q", "l", "u", "lb", "ub", "d"):
-        anew = getattr(made.problem, name)
+        anew = getattr(problem.problem, name)
         before = getattr(stored, name)
         assert anew == pytest.approx(before, rel=1e-5, abs=1e-9)
     for name in ("A", "C"):
-        difference = getattr(made.problem, name) - getattr(stored, name)
+        difference = getattr(problem.problem, name) - getattr(stored, name)
         assert np.abs(difference.toarray()).max(initial=0) <= 1e-6
 
 

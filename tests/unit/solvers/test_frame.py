@@ -145,9 +145,9 @@ def test_free_and_given_headings_and_routes_in_one_frame(free):
         for name in COLUMNS:
             if name not in TIMES:
                 assert rows[name].dtype.kind == alone[name].dtype.kind
-                found = rows[name].iloc[kind].tolist()
+                value = rows[name].iloc[kind].tolist()
                 expected = alone[name].tolist()
-                assert str(found) == str(expected), name
+                assert str(value) == str(expected), name
 
 
 def test_answers_can_be_asked_again_and_other_columns_are_carried():

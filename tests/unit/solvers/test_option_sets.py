@@ -244,13 +244,13 @@ def test_scip_as_its_makers_have_it(monkeypatch):
     """
     pyscipopt = pytest.importorskip("pyscipopt")
     given: dict[str, Any] = {}
-    kept = pyscipopt.Model.setParam
+    set_param = pyscipopt.Model.setParam
     defaults = pyscipopt.Model().getParams()
 
     class Model(pyscipopt.Model):
         def setParam(self, name: str, value: Any) -> None:  # noqa: N802
             given[name] = value
-            kept(self, name, value)
+            set_param(self, name, value)
 
     monkeypatch.setattr(pyscipopt, "Model", Model)
     solver = load("global-nlp[engine=scip,gap=1e-12,feastol=1e-6,emphasis=default]")

@@ -195,9 +195,9 @@ def test_a_plug_in_may_look_like_our_own(tmp_path):
     for folder, answer in (("one", 1), ("two", 2)):
         (tmp_path / folder).mkdir()
         (tmp_path / folder / "plug.py").write_text(ANNOTATED_PLUGIN.format(answer=answer))
-    found = [load(f"{tmp_path / folder / 'plug.py'}:Plug") for folder in ("one", "two")]
+    classes = [load(f"{tmp_path / folder / 'plug.py'}:Plug") for folder in ("one", "two")]
 
-    assert [solver.n for solver in found] == [1, 2]
+    assert [solver.n for solver in classes] == [1, 2]
     answer = solve(EASY, f"{tmp_path / 'one' / 'plug.py'}:Plug")
     assert answer.outcome is Outcome.UNAVAILABLE
     assert "raised OSError: no such luck" in answer.message

@@ -63,9 +63,10 @@ def test_the_pieces_are_solutions_of_the_canonical_equations(turns, durations, c
         nu0**2 + nu1**2 + nu2**2 - 1,
     )
 
-    found = structure.residual(structure.unknowns(costates, durations))
+    residual = structure.residual(structure.unknowns(costates, durations))
 
-    np.testing.assert_allclose(found, expected, atol=1e-9)  # the integrator's error over 14 radii
+    # the integrator's error over 14 radii
+    np.testing.assert_allclose(residual, expected, atol=1e-9)
     assert structure.miss(durations) == pytest.approx(
         math.hypot(end[0] - 3.0, end[1] + 2.0), abs=1e-9
     )

@@ -241,10 +241,10 @@ def test_a_path_that_cannot_be_driven_has_no_certificate():
     length = np.array([[1, -4.59, np.nan, 1, 1, 1, np.inf, 1e308], [2, 2, 2, 2, 1e-9, 2, 2, 1e308]])
     scenario = Scenario(*START, 3, 1, 1)
     paths = Paths(curvature, length)
-    found = [certified(scenario, paths.path(row, scenario)) for row in range(8)]
+    certificates = [certified(scenario, paths.path(row, scenario)) for row in range(8)]
 
-    assert found[0].pmp_residual is not None
-    assert all(each.pmp_residual is None and each.cut_margin is None for each in found[1:])
+    assert certificates[0].pmp_residual is not None
+    assert all(each.pmp_residual is None and each.cut_margin is None for each in certificates[1:])
 
 
 def test_a_path_that_nothing_but_its_size_makes_extremal_has_no_costates():

@@ -43,24 +43,24 @@ def textbook(X: mp.mpf, Y: mp.mpf, heading: mp.mpf) -> dict[str, mp.mpf]:
     a, b = -phi % turn, (heading - phi) % turn
     sa, ca, sb, cb = mp.sin(a), mp.cos(a), mp.sin(b), mp.cos(b)
     both = 2 * mp.cos(a - b)
-    found = {}
+    lengths = {}
     for word, k in (("LSL", 1), ("RSR", -1)):
         to = mp.atan2(k * (cb - ca), d + k * (sa - sb))
         p = mp.sqrt(max(2 + d * d - both + 2 * k * d * (sa - sb), mp.mpf(0)))
-        found[word] = k * (to - a) % turn + p + k * (b - to) % turn
+        lengths[word] = k * (to - a) % turn + p + k * (b - to) % turn
     for word, k in (("LSR", 1), ("RSL", -1)):
         square = d * d - 2 + both + 2 * k * d * (sa + sb)
         if square >= 0:
             p = mp.sqrt(square)
             to = mp.atan2(-k * (ca + cb), d + k * (sa + sb)) - mp.atan2(-2 * k, p)
-            found[word] = k * (to - a) % turn + p + k * (to - b) % turn
+            lengths[word] = k * (to - a) % turn + p + k * (to - b) % turn
     for word, k in (("LRL", 1), ("RLR", -1)):
         cosine = (6 - d * d + both - 2 * k * d * (sa - sb)) / 8
         if abs(cosine) <= 1:
             p = turn - mp.acos(cosine)
             t = (k * (mp.atan2(k * (cb - ca), d + k * (sa - sb)) - a) + p / 2) % turn
-            found[word] = t + p + (k * (b - a) - t + p) % turn
-    return found
+            lengths[word] = t + p + (k * (b - a) - t + p) % turn
+    return lengths
 
 
 def lengths_within_delta(
@@ -97,8 +97,8 @@ def test_balls_hold_the_lengths_of_ends_within_delta(seed):
             for truth in lengths_within_delta(row, rng, 3):
                 for branch, found in enclosures.items():
                     if branch in truth:
-                        held = any(a <= truth[branch] <= b for a, b in found.parts)
-                        assert held, (row, branch)
+                        inside = any(a <= truth[branch] <= b for a, b in found.parts)
+                        assert inside, (row, branch)
                     else:
                         assert found.absent, (row, branch)
 

@@ -67,12 +67,12 @@ def test_the_exact_answer_is_within_the_reference(kind):
     Closed forms and search stand beside ball arithmetic and the search's own bounds.
     """
     for scenario in (OF_KIND[kind.name], *kind.examples.values()):
-        found = kind.exact(scenario, "best", 10.0)
+        answer = kind.exact(scenario, "best", 10.0)
         reference = reference_of(scenario)
 
-        assert found.low <= reference.enclosure.high
-        assert reference.enclosure.low <= found.high
-        assert reference.path.length == pytest.approx(found.path.length, rel=1e-9)
+        assert answer.low <= reference.enclosure.high
+        assert reference.enclosure.low <= answer.high
+        assert reference.path.length == pytest.approx(answer.path.length, rel=1e-9)
 
 
 def test_rows_of_a_frame_are_of_the_kinds_of_their_scenarios():
@@ -122,14 +122,14 @@ def test_few_ask_for_the_kind_themselves():
 
     At most fifteen do outside the table and the scenario, each with its reason.
     """
-    found = set()
+    functions = set()
     for file in PACKAGE.rglob("*.py"):
         name = str(file.relative_to(PACKAGE))
         if name.startswith("study/kinds/") or name == "study/scenario.py":
             continue
         for function in ast.walk(ast.parse(file.read_text())):
             if isinstance(function, ast.FunctionDef) and any(map(_asks, ast.walk(function))):
-                found.add(f"{name}:{function.name}")
+                functions.add(f"{name}:{function.name}")
 
-    assert found == set(WHO_ASKS)
-    assert len(found) <= 15
+    assert functions == set(WHO_ASKS)
+    assert len(functions) <= 15

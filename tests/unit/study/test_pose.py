@@ -106,10 +106,10 @@ def test_edges_known_in_advance(end, word, length):
 
     The last two are as long mirrored, which turns on the spot by 7 pi / 3.
     """
-    found = shortest_to_pose(START, Pose(*end), 1.0)
+    shortest = shortest_to_pose(START, Pose(*end), 1.0)
 
-    assert found.word == word
-    assert found.total == pytest.approx(length, abs=2e-15 * (1 + length))
+    assert shortest.word == word
+    assert shortest.total == pytest.approx(length, abs=2e-15 * (1 + length))
     if len(word) == 3:
         mirrored = word.translate(str.maketrans("LR", "RL"))
         assert shortest_to_pose(START, Pose(*end), 1.0, mirrored).total == pytest.approx(length)
@@ -126,8 +126,8 @@ def test_an_arc_that_rounding_hides_is_nothing(moved, axis):
         exact = shortest_to_pose(START, Pose(*end), 1.0)
         shifted = list(end)
         shifted[axis] += moved
-        found = shortest_to_pose(START, Pose(*shifted), 1.0)
-        assert found.total == pytest.approx(exact.total, abs=1e-14)
+        shortest = shortest_to_pose(START, Pose(*shifted), 1.0)
+        assert shortest.total == pytest.approx(exact.total, abs=1e-14)
 
 
 def test_beyond_the_reach_of_a_word_there_is_none():

@@ -101,9 +101,9 @@ def test_arcs_that_hardly_turn_keep_their_digits(curvature):
     ],
 )
 def test_misses_known_in_advance(arcs, point, miss):
-    found = visits(Path(Pose(0, 0, 0), *arcs), [Stop(*point, None)], 1, 1e-6).miss
+    places = visits(Path(Pose(0, 0, 0), *arcs), [Stop(*point, None)], 1, 1e-6).miss
 
-    assert found == pytest.approx(miss) or (math.isnan(miss) and not found <= 1e-6)
+    assert places == pytest.approx(miss) or (math.isnan(miss) and not places <= 1e-6)
 
 
 def test_legs_end_where_points_are_visited():

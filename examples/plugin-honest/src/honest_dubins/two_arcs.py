@@ -25,7 +25,7 @@ ARRIVES = 1e-9
 class TwoArcs(Solver):
     """Both lengths of a word by root finding.
 
-    MINPACK's `hybr` finds the end point's root, from a grid of guesses.
+    MINPACK's `hybr` solves for the end point, from a grid of guesses.
 
     Args:
         guesses: of the first arc's angle, and of the second's.
