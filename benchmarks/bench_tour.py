@@ -79,7 +79,7 @@ def timed(call: Callable[..., Any], *values: Any, **options: Any) -> Timed:
     return Timed(result, process_time() - began)
 
 
-def drawn(size: Size, seed: int) -> Stops:
+def random_tour(size: Size, seed: int) -> Stops:
     """One tour of a size."""
     rng = np.random.default_rng([SEED, size.points, round(10 * size.side), seed])
     square = size.side * math.sqrt(size.points)
@@ -104,10 +104,10 @@ def proved(size: Size, stops: Stops) -> Timed:
 
 
 def measure() -> Iterable[Measurement]:
-    search_tour(drawn(Size(3, 8.0, 1e-6, 1.0, 1), 0), limit=10.0)  # compiles
+    search_tour(random_tour(Size(3, 8.0, 1e-6, 1.0, 1), 0), limit=10.0)  # compiles
     known: dict[Size, list[Timed]] = {}
     for size in SIZES:
-        known[size] = [proved(size, drawn(size, seed)) for seed in range(SETS)]
+        known[size] = [proved(size, random_tour(size, seed)) for seed in range(SETS)]
         yield proof_row(size, known[size])
     for size in BESIDE:
         yield from shorter_ways(size, known[size])
@@ -153,7 +153,7 @@ def shorter_ways(size: Size, found: Sequence[Timed]) -> Iterator[Measurement]:
     """
     for way, (length_of, missing) in WAYS.items():
         what = f"{way}: {named(size)}"
-        timings = [timed(length_of, drawn(size, seed)) for seed in range(len(found))]
+        timings = [timed(length_of, random_tour(size, seed)) for seed in range(len(found))]
         if any(math.isnan(each.result) for each in timings):
             yield absent(what, missing)
             continue
@@ -238,7 +238,7 @@ def without_parts(size: Size, found: Sequence[Timed]) -> Iterator[Measurement]:
     """The search without each of its parts."""
     for part, names in PARTS.items():
         with without(names):
-            spoilt = [proved(size, drawn(size, seed)) for seed in range(len(found))]
+            spoilt = [proved(size, random_tour(size, seed)) for seed in range(len(found))]
         closed = sum(each.result.closed for each in spoilt)
         ours = median(proof.seconds for proof in found)
         theirs = median(each.seconds for each in spoilt)

@@ -33,7 +33,10 @@ SolverSettings.IMPLEMENTED_SOLVERS.add("trivial")
 
 
 class Projections(TestSet):
-    """Minimise |z|^2 / 2 - target . z; every target."""
+    """Quadratic programs: the nearest point to each target.
+
+    Each minimises |z|^2 / 2 - target . z over the plane.
+    """
 
     description = title = "projections"
     sparse_only = False

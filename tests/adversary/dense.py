@@ -60,7 +60,7 @@ KINDS: dict[str, Callable[[Rng, int, float], Array]] = {
 }
 
 
-def drawn(seed: int) -> tuple[str, Array, float]:
+def track_of_seed(seed: int) -> tuple[str, Array, float]:
     """Kind of a track, its points, its first heading.
 
     The points have shape (n, 2).

@@ -113,7 +113,7 @@ KINDS: dict[str, Callable[[Rng, int], tuple[Array, float]]] = {
 }
 
 
-def drawn(number: int, seeded: int) -> tuple[str, Asked]:
+def route_of_seed(number: int, seeded: int) -> tuple[str, Asked]:
     """Kind and route of a seed, 2-5 legs."""
     rng = np.random.default_rng((seeded, number))
     kind = list(KINDS)[number % len(KINDS)]
@@ -257,10 +257,12 @@ def attack(table: Table, seed: int, number: int) -> float:
 
     Returns the least length of the attacks.
     """
-    table.generator, asked = drawn(number, seed)
+    table.generator, asked = route_of_seed(number, seed)
     low = proven(asked, number).low
     length = attacked(asked, np.random.default_rng((seed, number, 1)))
-    table.note("route beaten", (low - length) / low / tolerated(asked), f"drawn({number}, {seed})")
+    table.note(
+        "route beaten", (low - length) / low / tolerated(asked), f"route_of_seed({number}, {seed})"
+    )
     return length
 
 

@@ -26,7 +26,7 @@ from dubins_study.study.scenario import Pose, Scenario, ScenarioError
 from dubins_study.study.tolerances import ARRIVES, HEADED, Tolerances
 from dubins_study.study.words import Claim, Verdict
 from tests.adversary.leg_lengths import leg_length
-from tests.adversary.routes import Rng, drawn
+from tests.adversary.routes import Rng, route_of_seed
 from tests.adversary.table import Table, paste, paste_path
 from tests.hard_cases import hard_poses
 
@@ -44,7 +44,7 @@ def scenario_of(seed: int, number: int) -> tuple[str, Scenario]:
     if number % 4:
         columns = hard_poses(6, number + seed).iloc[number % 6]
         return "final heading", Scenario(**columns)
-    kind, (points, first, last) = drawn(number // 4, seed)
+    kind, (points, first, last) = route_of_seed(number // 4, seed)
     if rng.random() < 0.5:
         turn = rng.uniform(-math.pi, math.pi)
         radius = 10 ** rng.uniform(-3, 3)

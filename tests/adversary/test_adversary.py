@@ -66,7 +66,7 @@ def test_no_bound_is_above_a_length_that_was_found(part: int) -> None:
     """
     table = Table()
     for number in range(part, ROUTES, PARTS):
-        low = routes.proven(routes.drawn(number, 0)[1], number).low
+        low = routes.proven(routes.route_of_seed(number, 0)[1], number).low
         if low * (1.0 - routes.TOLERANCE) > routes.LENGTHS[number]:
             routes.attack(table, 0, number)
 

@@ -30,7 +30,7 @@ def test_dense_tracks_have_sane_routes(seed, limit):
 
     The tracks have 50 to 5 000 points; the search has a limit.
     """
-    _, points, first = dense.drawn(seed)
+    _, points, first = dense.track_of_seed(seed)
     bisecting, program = dense.lengths(points, first)
     (x, y), *via, (target_x, target_y) = points.tolist()
     scenario = Scenario(x, y, first, target_x, target_y, via=[tuple(point) for point in via])
@@ -59,7 +59,7 @@ def test_more_effort_makes_no_path_longer(seed):
 
     The search does the same work in the same order, and keeps the best route.
     """
-    _, points, first = dense.drawn(seed)
+    _, points, first = dense.track_of_seed(seed)
     bisecting, program = dense.lengths(points, first)
 
     searches = [search(points, first, boxes=boxes) for boxes in (0, 1_000, 10_000, 100_000)]

@@ -18,9 +18,9 @@ from tests.adversary.tours import (
     any_tour,
     by_all_orders,
     by_grid,
-    drawn,
     length_through,
     mapped,
+    random_tour,
     tour_of,
 )
 
@@ -37,7 +37,9 @@ def checked_by_all_orders(seed: int, points: int) -> None:
     The tour is no longer than the best order. Its lower end is no longer than any order's.
     """
     rng = np.random.default_rng((34, seed))
-    scenario = drawn(rng, KINDS[seed % len(KINDS)], points, DENSE[seed % 3] * math.sqrt(points))
+    scenario = random_tour(
+        rng, KINDS[seed % len(KINDS)], points, DENSE[seed % 3] * math.sqrt(points)
+    )
 
     tour = tour_of(scenario)
     best = by_all_orders(scenario, tour.high)
@@ -95,7 +97,7 @@ SYMMETRIES = {
 @pytest.mark.parametrize("name", SYMMETRIES)
 @pytest.mark.parametrize("kind", KINDS)
 def test_symmetric_tours_are_as_long(kind: str, name: str) -> None:
-    scenario = drawn(np.random.default_rng((KINDS.index(kind), 2)), kind, 5, 12.0)
+    scenario = random_tour(np.random.default_rng((KINDS.index(kind), 2)), kind, 5, 12.0)
     change, turn, mirror, scale = SYMMETRIES[name]
 
     agree(tour_of(scenario), tour_of(mapped(scenario, change, turn, mirror, scale)), scale)
@@ -106,7 +108,7 @@ def test_symmetric_tours_are_as_long(kind: str, name: str) -> None:
 @pytest.mark.parametrize("kind", KINDS)
 def test_points_in_another_order_are_the_same_tour(kind: str) -> None:
     rng = np.random.default_rng((KINDS.index(kind), 3))
-    scenario = drawn(rng, kind, 6, 15.0)
+    scenario = random_tour(rng, kind, 6, 15.0)
     via = [scenario.via[i] for i in rng.permutation(6)]
 
     agree(tour_of(scenario), tour_of(replace(scenario, via=via)))
@@ -121,7 +123,7 @@ def test_a_point_on_the_best_tour_leaves_the_length(kind: str) -> None:
     It has its heading there, or none.
     """
     rng = np.random.default_rng((KINDS.index(kind), 4))
-    scenario = drawn(rng, kind, 5, 14.0)
+    scenario = random_tour(rng, kind, 5, 14.0)
     tour = tour_of(scenario)
     x, y, heading = tour.path.at(rng.uniform(0.2, 0.8) * tour.path.length)[0].tolist()
 
@@ -140,7 +142,7 @@ def test_a_closed_tour_is_as_long_the_other_way_round(seed: int) -> None:
     All headings are turned by half a turn.
     """
     rng = np.random.default_rng((seed, 5))
-    scenario = drawn(rng, "closed", 5, 12.0)
+    scenario = random_tour(rng, "closed", 5, 12.0)
     headed = replace(scenario, via=[(*scenario.via[0], 1.0), *scenario.via[1:]])
     for one in (scenario, headed):
         other = mapped(one, lambda x, y: (x, y), math.pi, 1, 1.0)
@@ -157,7 +159,7 @@ def test_no_random_tour_is_shorter_than_the_lower_end(seed: int) -> None:
     """
     rng = np.random.default_rng((34, seed, 6))
     kind = KINDS[seed % len(KINDS)]
-    scenario = drawn(rng, kind, 7, (4.0, 8.0)[seed % 2] * math.sqrt(7))
+    scenario = random_tour(rng, kind, 7, (4.0, 8.0)[seed % 2] * math.sqrt(7))
     tour = tour_of(scenario)
 
     for _ in range(75):

@@ -34,7 +34,7 @@ class Shortest(NamedTuple):
     order: tuple[int, ...]
 
 
-def drawn(rng: np.random.Generator, kind: str, points: int, side: float) -> Scenario:
+def random_tour(rng: np.random.Generator, kind: str, points: int, side: float) -> Scenario:
     """A random tour of points in a square.
 
     The radius is 1.

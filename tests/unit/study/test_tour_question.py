@@ -245,7 +245,7 @@ def test_a_row_keeps_the_scenario_and_the_path(scenario):
     assert from_arrow["start_heading"] == given
 
 
-def drawn(rng):
+def random_scenario(rng):
     """A scenario with or without each optional field."""
     via = rng.uniform(-9, 9, (int(rng.integers(0, 3)), 2)).tolist()
     if rng.random() < 0.3:
@@ -262,7 +262,7 @@ def drawn(rng):
 
 def test_each_scenario_and_its_row_are_of_one_kind():
     rng = np.random.default_rng(34)
-    some = [drawn(rng) for _ in range(400)]
+    some = [random_scenario(rng) for _ in range(400)]
     frame = check_frame(pd.DataFrame(map(scenario_row, some)))
 
     assert list(scenarios(frame)) == some

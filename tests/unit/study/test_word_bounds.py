@@ -410,7 +410,7 @@ FAMILIES = {
 
 @cache
 @cache
-def drawn(word, n):
+def random_boxes(word, n):
     """Boxes of all sizes, and their lengths.
 
     They lie about paths of the word, at its edges and elsewhere.
@@ -430,7 +430,7 @@ def test_a_bound_is_above_no_length_in_its_box(part, word, n):
 
     That holds whatever the slopes are and, where a part is asked for alone, its multipliers.
     """
-    boxes, lengths = drawn(word, n)
+    boxes, lengths = random_boxes(word, n)
     anything = np.random.default_rng(n).random((len(boxes), 3))
 
     bounds = part_bounds(list(PARTS).index(part), word, boxes, anything)
