@@ -1,1 +1,4 @@
-"""Speed beside peers, ratios from one run. `python -m benchmarks [NAME ...]`."""
+"""Speed beside peers, as ratios from one run.
+
+`python -m benchmarks [NAME ...]` runs the benchmarks.
+"""

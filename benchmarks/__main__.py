@@ -1,4 +1,6 @@
-"""Run the benchmarks named on the command line, or all, and print one table.
+"""Run benchmarks and print one table.
+
+They are the benchmarks named on the command line, or all.
 
 `python -m benchmarks kernel frame` runs `bench_kernel.py` and `bench_frame.py`; with `--peers
 FOLDER`, `route` and `pose` build peers from sources. Exit code 1 if a target is missed or a
@@ -28,7 +30,10 @@ def known() -> list[str]:
 
 
 def run(name: str) -> Iterator[Measurement]:
-    """The rows of one benchmark; one that fails is a row that says how."""
+    """Rows of one benchmark.
+
+    One that fails is a row that says how.
+    """
     try:
         yield from import_module(f"benchmarks.bench_{name}").measure()
     except Exception as error:  # the other benchmarks are still worth running
@@ -39,16 +44,18 @@ def table(rows: list[Measurement]) -> Table:
     """The measurements as they are printed."""
     shown = Table("what", title="speed, ratios of times from one run")
     for heading in ("ours", "peer", "unit", "ratio", "target", "ok", "note"):
-        shown.add_column(heading, justify="left" if heading in ("unit", "note") else "right")
+        justify = "left" if heading in ("unit", "note") else "right"
+        shown.add_column(heading, justify=justify)
     for row in rows:
         sign = "≤" if row.at_most else "≥"
+        target = "" if row.target is None else f"{sign} {row.target:g}"
         shown.add_row(
             row.what,
             _number(row.ours),
             _number(row.peer),
             row.unit,
             _number(row.ratio),
-            "" if row.target is None else f"{sign} {row.target:g}",
+            target,
             {None: "–", True: "yes", False: "NO"}[row.ok],
             row.note,
         )
@@ -70,9 +77,12 @@ def main(arguments: list[str]) -> int:
     if asked.peers is not None and not asked.peers.is_dir():
         parser.error(f"--peers {asked.peers}: no such folder")
     harness.peer_sources = asked.peers
-    rows = [row for name in asked.name or known() for row in run(name)]
+    rows: list[Measurement] = []
+    for name in asked.name or known():
+        rows += run(name)
     # wide enough for every column where the output is a file
-    Console(width=None if sys.stdout.isatty() else 170).print(table(rows))
+    width = None if sys.stdout.isatty() else 170
+    Console(width=width).print(table(rows))
     return 1 if any(row.ok is False for row in rows) else 0
 
 

@@ -1,4 +1,7 @@
-"""What a certificate costs: of a path, of a reference length, and of a frame's answers."""
+"""Cost of a certificate.
+
+It is measured for a path, for a reference length, and for a frame's answers.
+"""
 
 from __future__ import annotations
 
@@ -26,11 +29,13 @@ def measure() -> Iterable[Measurement]:
     some = list(scenarios(frame[:SOME]))
     paths = [shortest_path(scenario) for scenario in some]
     pairs = [(s, p) for s, p in zip(some, paths, strict=True) if p is not None]
-    judged = [judge(scenario, path) for scenario, path in pairs]
+    judgements = [judge(scenario, path) for scenario, path in pairs]
 
     def certificates() -> object:
         # every enclosure is in its cache after the first round
-        return [certify(*pair, found) for pair, found in zip(pairs, judged, strict=True)]
+        return [
+            certify(*pair, judgement) for pair, judgement in zip(pairs, judgements, strict=True)
+        ]
 
     times = side_by_side(
         {
@@ -64,7 +69,10 @@ def _each(
 
 
 def _frame(frame: pd.DataFrame) -> Measurement:
-    """Certificates of a frame's answers, beside the same frame judged alone."""
+    """Cost of certificates of a frame.
+
+    The same frame is judged alone beside it.
+    """
     some = frame[:FRAME]
     times = side_by_side(
         {
@@ -72,11 +80,11 @@ def _frame(frame: pd.DataFrame) -> Measurement:
             "judged": lambda: solve_frame(some),
         }
     )
-    ours, judged = (times[key].least / len(some) * 1e6 for key in times)
+    ours, judging = (times[key].least / len(some) * 1e6 for key in times)
     return Measurement(
         f"solve_frame of {len(some)} rows, certified, beside judged alone",
         ours=ours,
-        peer=judged,
+        peer=judging,
         unit="µs/row",
         ratio=ours,
         target=100.0,

@@ -1,11 +1,15 @@
-"""How long the explorer's page takes to answer a drag, in Chromium.
+"""Time that the explorer takes to answer a drag.
 
-500 moves of each handle, by the browser's own input: of target, heading and radius of one leg, of a
-via point and the final heading of routes with five via points, and of a via point of tours with
-five. Three times are taken of each move: the handler's, with the layout that it causes; until the
-frame is painted, as the page itself sees it; and the CPU time of the page's thread until the next
-move, from the browser's trace, which knows nothing of what else runs on the machine (but holds some
-1 ms of the trace and the driver).
+It is measured in Chromium.
+
+The browser's own input moves each handle 500 times. The handles are target, heading and radius of
+one leg, a via point and the final heading of routes with five via points, and a via point of tours
+with five. Three times are taken of each move:
+
+* the handler's, with the layout that it causes;
+* until the frame is painted, as the page itself sees it;
+* the CPU time of the page's thread until the next move, from the browser's trace. Other programs on
+  the machine do not enter it, but some 1 ms of the trace and the driver does.
 
 The same moves are made three times. The least of the three is the move's own time, since what else
 runs only ever adds; the slowest of these is compared with a frame. Garbage is not collected at the
@@ -65,7 +69,10 @@ _WATCH = """() => {
 
 
 class Times(NamedTuple):
-    """Milliseconds of each move, shape (moves,), and of each collection of garbage."""
+    """Milliseconds of each move and each collection.
+
+    The moves have shape (moves,); the collections are those of garbage.
+    """
 
     handler: FloatArray
     painted: FloatArray
@@ -83,18 +90,22 @@ def measure() -> Iterable[Measurement]:
         for name, repeats in drags(address, program):
             moves = len(repeats[0].painted)
             least = np.min([times.painted for times in repeats], axis=0).max()
+            target = TOUR_MS if DRAGS[name] is TOURS else FRAME_MS
             yield Measurement(
                 f"explorer: {moves} moves of the {name}, the slowest until it is painted",
                 ours=least,
                 unit="ms",
                 ratio=least,
-                target=TOUR_MS if DRAGS[name] is TOURS else FRAME_MS,
+                target=target,
                 note=f"ms: median, 99 %, most. {summary(repeats)}",
             )
 
 
 def summary(repeats: Sequence[Times]) -> str:
-    """Of the least times of each move, then of all times as they were; the longest collection."""
+    """Summary of the times of all moves.
+
+    It has the least times of each move, all times as they were, and the longest collection.
+    """
     parts = []
     for title, join in (("least", partial(np.min, axis=0)), ("all", np.concatenate)):
         for kind in ("handler", "painted", "cpu"):
@@ -106,7 +117,10 @@ def summary(repeats: Sequence[Times]) -> str:
 
 
 def drags(address: str, program: str) -> Iterator[tuple[str, list[Times]]]:
-    """Each handle with the times of its moves, as often as they were made."""
+    """Each handle with the times of its moves.
+
+    The moves are made several times.
+    """
     from playwright.sync_api import sync_playwright  # an extra of the tests
 
     with sync_playwright() as playwright:
@@ -159,12 +173,14 @@ def _middle(box: dict[str, float]) -> tuple[float, float]:
 
 
 def _places(box: dict[str, float], disc: dict[str, float]) -> Iterator[tuple[float, float]]:
-    """Pixels: anywhere in the picture, a little further, and next to a circle.
+    """Pixels for moves of a handle.
 
-    The circle is the left turning circle, or of a route one around its second via point.
+    They lie anywhere in the picture, a little further, and next to a circle. The circle is the
+    left turning circle, or of a route one around its second via point.
     """
     chance = random.Random(1)
-    (cx, cy), r = _middle(disc), disc["width"] / 2
+    cx, cy = _middle(disc)
+    r = disc["width"] / 2
     x = y = 0.0
     for move in range(MOVES):
         if move % 3 == 0:
@@ -173,13 +189,17 @@ def _places(box: dict[str, float], disc: dict[str, float]) -> Iterator[tuple[flo
         elif move % 3 == 1:
             x, y = x + chance.uniform(-9, 9), y + chance.uniform(-9, 9)
         else:
-            angle, off = chance.uniform(0, 2 * math.pi), chance.uniform(-2, 2)
+            angle = chance.uniform(0, 2 * math.pi)
+            off = chance.uniform(-2, 2)
             x, y = cx + (r + off) * math.cos(angle), cy + (r + off) * math.sin(angle)
         yield x, y
 
 
 def _on_thread(events: list[dict[str, Any]]) -> tuple[FloatArray, FloatArray]:
-    """CPU times (ms) of the page's main thread: from each move to the next, and of collections."""
+    """CPU times (ms) of the page's main thread.
+
+    They are from each move to the next, and of collections.
+    """
     moves = [
         event
         for event in events

@@ -1,4 +1,7 @@
-"""`solve_frame` with the closed form, validation and judging included, beside OMPL."""
+"""`solve_frame` with the closed form, beside OMPL.
+
+Validation and judging are included.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,7 @@
-"""The batch kernel beside NumPy's addition and OMPL, and 10^8 rows in chunks."""
+"""The batch kernel beside NumPy's addition and OMPL.
+
+It also takes 10^8 rows in chunks.
+"""
 
 from __future__ import annotations
 
@@ -22,7 +25,8 @@ def measure() -> Iterable[Measurement]:
         [frame[name].to_numpy() for name in NAMES]
         for frame in (random_frame(N, seed) for seed in range(4))
     ]
-    out, total = Rows.empty(2, N), np.empty(N)
+    out = Rows.empty(2, N)
+    total = np.empty(N)
     a, b = data[0][:2]
     functions = {
         "kernel": lambda: shortest_rows(*data[0], out=out),
@@ -30,7 +34,8 @@ def measure() -> Iterable[Measurement]:
     }
     distances = ompl_distances()
     times = side_by_side(functions, repeats=25)
-    ours, add = times["kernel"], times["add"]
+    ours = times["kernel"]
+    add = times["add"]
     yield Measurement(
         "kernel, 10^6 rows, against np.add of two arrays",
         ours=ours.least / N * 1e9,
@@ -59,9 +64,13 @@ def measure() -> Iterable[Measurement]:
 
 
 def _chunks(data: list[list[np.ndarray]], out: Rows) -> Iterable[Measurement]:
-    """10^8 rows, a million at a time from four different ones, beside one million alone."""
+    """10^8 rows beside one million alone.
+
+    They are taken a million at a time from four different frames.
+    """
     alone = side_by_side({"kernel": lambda: shortest_rows(*data[0], out=out)}, 15)["kernel"]
-    before, began = _resident(), perf_counter()
+    before = _resident()
+    began = perf_counter()
     for chunk in range(CHUNKS):
         shortest_rows(*data[chunk % len(data)], out=out)
     mean = (perf_counter() - began) / CHUNKS
@@ -89,7 +98,7 @@ def _chunks(data: list[list[np.ndarray]], out: Rows) -> Iterable[Measurement]:
 
 
 def _resident() -> float | None:
-    """Resident memory in MB; None where it cannot be asked."""
+    """Resident memory in MB; None if unknown."""
     if not _STATM.exists():
         return None
     return int(_STATM.read_text().split()[1]) * 4096 / 1e6

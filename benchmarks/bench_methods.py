@@ -1,4 +1,7 @@
-"""What the global and the discretised methods take: a proof, and a path beside another's."""
+"""Times of the global and the discretised methods.
+
+Measured are a proof, and a path beside another's.
+"""
 
 from __future__ import annotations
 
@@ -50,7 +53,8 @@ def measure() -> Iterable[Measurement]:
 
 def _proofs(what: str, scenarios: Iterable[Scenario], target: float | None) -> Measurement:
     solver = load("disjunctive")
-    seconds, proven = [], 0
+    seconds = []
+    proven = 0
     for scenario in scenarios:
         least, solution = _least(solver, scenario, sized(3, 1))
         seconds.append(least)
@@ -71,7 +75,10 @@ def _proofs(what: str, scenarios: Iterable[Scenario], target: float | None) -> M
 def _alternating(
     solvers: dict[str, Solver], scenarios: Iterable[Scenario], repeats: int
 ) -> dict[str, float]:
-    """Median over scenarios of each solver's least time (s), the solvers taking turns."""
+    """Median over scenarios of each solver's least time.
+
+    In s; the solvers take turns.
+    """
     times: dict[str, list[float]] = {name: [] for name in solvers}
     for scenario in scenarios:
         spent: dict[str, list[float]] = {name: [] for name in solvers}
@@ -90,7 +97,10 @@ def _ask(solver: Solver, scenario: Scenario) -> Solution:
 
 
 def _least(solver: Solver, scenario: Scenario, repeats: int) -> tuple[float, Solution]:
-    """The least time (s) of several solves, and the answer, which is the same every time."""
+    """The least time (s) of several solves.
+
+    The answer comes with it; it is the same every time.
+    """
     seconds = []
     for _ in range(repeats):
         began = perf_counter()

@@ -1,4 +1,7 @@
-"""`slsqp` and `ipopt` beside loops written by hand on the same problems and starts."""
+"""`slsqp` and `ipopt` beside loops written by hand.
+
+All solve the same problems from the same starts.
+"""
 
 from __future__ import annotations
 
@@ -26,7 +29,7 @@ TARGET = 1.1
 
 
 class Job(NamedTuple):
-    """What the hand-written loops are given: all that is needed for one solve."""
+    """Input of the hand-written loops for one solve."""
 
     X: float
     Y: float
@@ -35,9 +38,13 @@ class Job(NamedTuple):
 
 
 def questions() -> list[Question]:
-    """Targets 5 to 100 radii away, so that LS and RS are solved from their first start."""
+    """Targets 5 to 100 radii away.
+
+    LS and RS are solved from their first start there.
+    """
     rng = np.random.default_rng(0)
-    distance, bearing = 10 ** rng.uniform(0.7, 2, N), rng.uniform(-math.pi, math.pi, N)
+    distance = 10 ** rng.uniform(0.7, 2, N)
+    bearing = rng.uniform(-math.pi, math.pi, N)
     return [
         Question(Scenario(0, 0, 0, d * math.cos(b), d * math.sin(b), 1))
         for d, b in zip(distance, bearing, strict=True)
@@ -45,7 +52,10 @@ def questions() -> list[Question]:
 
 
 def jobs(asked: list[Question]) -> list[Job]:
-    """The same problems and starts, made before the clock runs."""
+    """The same problems and starts.
+
+    They are made before the clock runs.
+    """
 
     def job(question: Question, case: Case) -> Job:
         start = next(initial_guesses(question, case, "bearing", 0, 1))
@@ -87,7 +97,10 @@ def slsqp_by_hand(work: list[Job]) -> None:
 
 
 def ipopt_by_hand(work: list[Job], solver: Any) -> None:
-    """casadi and Ipopt, and whether it succeeded, which no result says without being asked."""
+    """Solve by casadi and Ipopt.
+
+    Whether it succeeded is asked too, since no result says it unasked.
+    """
     for X, Y, free, start in work:
         upper = [0.0, 0.0, 0.0]
         for i in free:
@@ -97,9 +110,12 @@ def ipopt_by_hand(work: list[Job], solver: Any) -> None:
 
 
 def casadi_solver() -> Any:
-    """Model (4.12) written in casadi, the target as a parameter."""
-    z, p = casadi.SX.sym("z", 3), casadi.SX.sym("p", 2)
-    z1, th, z3 = z[0], z[0] - z[1], z[2]
+    """Model (4.12) in casadi, with the target as parameter."""
+    z = casadi.SX.sym("z", 3)
+    p = casadi.SX.sym("p", 2)
+    z1 = z[0]
+    th = z[0] - z[1]
+    z3 = z[2]
     x_end = 2 * casadi.sin(z1) - casadi.sin(th) + z3 * casadi.cos(th)
     y_end = 1 - 2 * casadi.cos(z1) + casadi.cos(th) + z3 * casadi.sin(th)
     nlp = {

@@ -1,13 +1,16 @@
-"""What a cell costs beyond its solver: our harness beside benchopt and qpbenchmark.
+"""Cost of a cell beyond its solver.
 
-The same trivial solver (`benchmarks/overhead/trivial.py`, some ten microseconds of closed form) is
-run under each harness over the same number of cells, with one job, as its own command line would:
-a fresh folder, no cache, no plots. Ours does there what it does for any solver: a worker process
-that is watched, the check, the certificate, a row of some seventy columns, Parquet every second.
+Our harness stands beside benchopt and qpbenchmark.
+
+Each harness runs the same trivial solver over the same number of cells, with one job. The solver
+is `benchmarks/overhead/trivial.py`, some ten microseconds of closed form. A harness runs as its own
+command line would: with a fresh folder, no cache, no plots. Ours does the same as for any solver: a
+watched worker process, the check, the certificate, a row of some seventy columns, Parquet every
+second.
 
     overhead of a cell = (W(N2) - W(N1)) / (N2 - N1),  W = seconds of the run - the solver's own
 
-What is paid once, imports, folders and the start of a worker, cancels out of the difference of
+Costs that are paid once (imports, folders, the start of a worker) cancel out of the difference of
 two sizes; the note has the whole run all the same. Every run is a process of its own, the
 harnesses take turns, and the least of the rounds counts for each size. The solver's own seconds are
 those that the harness itself writes into its results.
@@ -25,7 +28,9 @@ from tempfile import TemporaryDirectory
 from benchmarks.harness import Measurement, absent, sized
 from benchmarks.overhead.harnesses import HARNESSES, Spent
 
-FEW, MANY, ROUNDS = sized(200, 2), sized(1200, 5), sized(3, 1)
+FEW = sized(200, 2)
+MANY = sized(1200, 5)
+ROUNDS = sized(3, 1)
 LONG = (
     sized(2000, 2),
     sized(8000, 5),
@@ -63,7 +68,10 @@ def measure() -> Iterable[Measurement]:
 
 
 def _beside(what: str, ours: float, peer: float, note: str) -> Measurement:
-    """Microseconds a cell, which are to be no more than a peer's or than what is aimed at."""
+    """Microseconds a cell and their target.
+
+    The target is a peer's time or a fixed aim.
+    """
     ratio = ours / peer
     return Measurement(
         what, ours=ours, peer=peer, unit="µs/cell", ratio=ratio, target=1.0, note=note
@@ -99,5 +107,5 @@ def _overhead(runs: dict[tuple[str, int], list[Spent]], name: str, few: int, man
 
 def _whole(runs: dict[tuple[str, int], list[Spent]], name: str) -> str:
     whole = min(run.whole for run in runs[name, MANY])
-    own = min(run.solver for run in runs[name, MANY])
-    return f"{MANY} cells in {whole:.2f} s, {own * 1e3:.0f} ms of them the solver's"
+    solver_s = min(run.solver for run in runs[name, MANY])
+    return f"{MANY} cells in {whole:.2f} s, {solver_s * 1e3:.0f} ms of them the solver's"

@@ -1,4 +1,6 @@
-"""Legs with a final heading, 10^6 in one thread: beside OMPL and `dubins`, and judged.
+"""10^6 legs with a final heading in one thread.
+
+They are compared with OMPL and `dubins`, and judged.
 
 `pip download --no-deps --no-binary :all: dubins==1.0.1 -d FOLDER` brings the sources of the wheel
 `dubins`, and `--peers FOLDER` builds its C code in a temporary folder.
@@ -45,14 +47,17 @@ def measure() -> Iterable[Measurement]:
 
 
 def _measure() -> Iterable[Measurement]:
-    legs, out, theirs = random_legs(N), Rows.empty(3, N), np.empty(N)
+    legs = random_legs(N)
+    out = Rows.empty(3, N)
+    theirs = np.empty(N)
     few = PoseArrays(*(column[:PAIRS] for column in legs))
     frame = pd.DataFrame(legs._asdict())
 
     def kernel() -> None:
         pose_rows(*legs, out=out)
 
-    ompl, dubins = _ompl_lengths(few), _dubins_lengths()
+    ompl = _ompl_lengths(few)
+    dubins = _dubins_lengths()
     functions: dict[str, Callable[[], object]] = {"kernel": kernel}
     functions["frame"] = lambda: solve_frame(frame)
     calls = {"OMPL distance()": CALLS, "the C code of dubins": N}
@@ -98,7 +103,9 @@ def _measure() -> Iterable[Measurement]:
 
 
 def random_legs(n: int, seed: int = 0, sizes: tuple[float, float] = (5.0, 5.0)) -> PoseArrays:
-    """n legs with all headings in squares of half width from the one size to the other.
+    """n random legs with all headings.
+
+    Their squares have half widths from the one size to the other.
 
     In those of 5 R half of the points are less than 5 R apart.
     """
@@ -115,9 +122,13 @@ def _poses(legs: PoseArrays, i: int) -> tuple[Pose, Pose, float]:
 
 
 def _agreement(name: str, legs: PoseArrays, ours: FloatArray, theirs: FloatArray) -> Measurement:
-    """How many lengths differ, and of how many a proven interval does not side with us alone."""
+    """Number of lengths that differ.
+
+    Also: of how many of them a proven interval does not side with us alone.
+    """
     other = np.flatnonzero(~(np.abs(theirs - ours) <= ALIKE * np.maximum(ours, 1.0)))
-    worst, unexplained = 0.0, 0
+    worst = 0.0
+    unexplained = 0
     for i in other.tolist():
         proven = enclose_pose(*_poses(legs, i))
         unexplained += not proven.holds(ours[i], 0.0) or proven.holds(theirs[i], 0.0)
@@ -134,7 +145,9 @@ def _agreement(name: str, legs: PoseArrays, ours: FloatArray, theirs: FloatArray
 
 
 def _ompl_lengths(legs: PoseArrays, out: FloatArray | None = None) -> Callable[[], object] | None:
-    """`DubinsStateSpace.distance()` called from Python `CALLS` times, on states made before.
+    """Time of OMPL's lengths called from Python.
+
+    `DubinsStateSpace.distance()` is called `CALLS` times, on states made before.
 
     With `out` each is called once instead, and its length is kept there.
     """
@@ -145,11 +158,11 @@ def _ompl_lengths(legs: PoseArrays, out: FloatArray | None = None) -> Callable[[
     space = base.DubinsStateSpace(1.0)
 
     def state(x: float, y: float, heading: float) -> object:
-        made = space.allocState()
-        made.setX(x)
-        made.setY(y)
-        made.setYaw(heading)
-        return made
+        pose = space.allocState()
+        pose.setX(x)
+        pose.setY(y)
+        pose.setYaw(heading)
+        return pose
 
     rows = zip(*(column.tolist() for column in legs), strict=True)
     states = ((state(x, y, a), state(tx, ty, b)) for x, y, a, tx, ty, _, b in rows)
@@ -169,7 +182,10 @@ def _ompl_lengths(legs: PoseArrays, out: FloatArray | None = None) -> Callable[[
 
 
 def _dubins_lengths() -> Lengths | None:
-    """A compiled loop that calls `dubins_shortest_path` and `dubins_path_length` for every row."""
+    """A compiled loop over the C code of `dubins`.
+
+    It calls `dubins_shortest_path` and `dubins_path_length` for every row.
+    """
     archives = sorted((harness.peer_sources or Path("nowhere")).glob("dubins-*.tar.gz"))
     compiler = shutil.which("cc")
     if not archives or compiler is None:
@@ -182,11 +198,13 @@ def _dubins_lengths() -> Lengths | None:
         flags = ["-O2", "-shared", "-fPIC", "-I", source.parents[1] / "include", "-o", library]
         subprocess.run([compiler, *flags, source, "-lm"], check=True)
         loaded = ctypes.CDLL(str(library))
-    shortest, length = loaded.dubins_shortest_path, loaded.dubins_path_length
+    shortest = loaded.dubins_shortest_path
+    length = loaded.dubins_path_length
     pointer = ctypes.c_void_p
     shortest.argtypes = (pointer, pointer, pointer, ctypes.c_double)
     shortest.restype = ctypes.c_int
-    length.argtypes, length.restype = (pointer,), ctypes.c_double
+    length.argtypes = (pointer,)
+    length.restype = ctypes.c_double
 
     @numba.njit  # type: ignore[untyped-decorator]
     def every(legs: PoseArrays, out: FloatArray) -> None:

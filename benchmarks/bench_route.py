@@ -1,4 +1,6 @@
-"""The certified search for the shortest route: how many routes it closes, how fast, and how far.
+"""The certified search for the shortest route.
+
+Measured are how many routes it closes, how fast, and how far.
 
 Random routes start at (0, 0) with a given heading and end with a free one; their legs have lengths
 and directions drawn from a seed. The smooth circuit has 700 legs along a Fourier curve.
@@ -34,14 +36,21 @@ RANDOM = [
 
 
 def random_route(rng: np.random.Generator, legs: int, least: float, most: float) -> FloatArray:
-    """Points of a route with uniformly drawn directions and lengths of its legs (radii)."""
-    direction, length = rng.uniform(-math.pi, math.pi, legs), rng.uniform(least, most, legs)
+    """Points of a route with random legs.
+
+    Directions and lengths of its legs (radii) are drawn uniformly.
+    """
+    direction = rng.uniform(-math.pi, math.pi, legs)
+    length = rng.uniform(least, most, legs)
     steps = length[:, None] * np.stack([np.cos(direction), np.sin(direction)], axis=1)
     return np.vstack([[0.0, 0.0], np.cumsum(steps, axis=0)])
 
 
 def circuit(legs: int) -> FloatArray:
-    """Points along a smooth closed curve, with legs of 5 to 30 radii."""
+    """Points along a smooth closed curve.
+
+    Its legs have 5 to 30 radii.
+    """
     rng = np.random.default_rng(SEED)
     steps = 17.5 + 12.0 * np.sin(np.linspace(0.0, 40 * math.pi, legs) + rng.uniform(0.0, math.pi))
     turning = sum(
@@ -71,10 +80,10 @@ def _rows(
     what: str, points: list[FloatArray], run: partial[Route], aim: float
 ) -> Iterable[Measurement]:
     """Our search, then its peers on the same routes."""
-    found = [run(some) for some in points]
-    seconds = median(route.seconds for route in found)
-    gaps = [(route.high - route.low) / route.high for route in found]
-    closed = sum(route.closed for route in found)
+    routes = [run(some) for some in points]
+    seconds = median(route.seconds for route in routes)
+    gaps = [(route.high - route.low) / route.high for route in routes]
+    closed = sum(route.closed for route in routes)
     yield Measurement(
         what,
         ours=seconds,
@@ -82,7 +91,7 @@ def _rows(
         unit="s",
         ratio=seconds / aim,
         target=1.0,
-        note=f"median; {closed} of {len(found)} closed to {run.keywords['tolerance']:g}, "
+        note=f"median; {closed} of {len(routes)} closed to {run.keywords['tolerance']:g}, "
         f"gap {median(gaps):.0e}, at most {max(gaps):.0e}",
     )
-    yield from peer_rows(points, found, **run.keywords)
+    yield from peer_rows(points, routes, **run.keywords)

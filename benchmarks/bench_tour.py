@@ -1,4 +1,6 @@
-"""The search for tours: how long a proof takes, what shorter ways cost, what each part is worth.
+"""The search for tours: time and worth.
+
+Measured are how long a proof takes, what shorter ways cost, and what each part is worth.
 
 A tour starts at (0, 0) with a given heading and ends at a target with a free one; its points and
 target are drawn in a square from a seed. Seconds are of CPU time in one thread.
@@ -38,7 +40,7 @@ OPEN_GAP = 0.02  # of the interval that is wanted of more points than are proved
 
 
 class Size(NamedTuple):
-    """Tours of one size, and what is wanted of them."""
+    """Tours of one size, and their targets."""
 
     points: int
     side: float  # of the square, in radii times the root of the number of points
@@ -77,7 +79,7 @@ def timed(call: Callable[..., Any], *values: Any, **options: Any) -> Timed:
     return Timed(result, process_time() - began)
 
 
-def drawn(size: Size, seed: int) -> Stops:
+def random_tour(size: Size, seed: int) -> Stops:
     """One tour of a size."""
     rng = np.random.default_rng([SEED, size.points, round(10 * size.side), seed])
     square = size.side * math.sqrt(size.points)
@@ -90,7 +92,9 @@ def drawn(size: Size, seed: int) -> Stops:
 
 
 def proved(size: Size, stops: Stops) -> Timed:
-    """The search, for as much work as it may do, whatever else the machine does.
+    """Run the search with a budget of work.
+
+    The budget does not depend on what else the machine does.
 
     Where an interval is wanted and no proof, it ends when the seconds are over.
     """
@@ -100,10 +104,10 @@ def proved(size: Size, stops: Stops) -> Timed:
 
 
 def measure() -> Iterable[Measurement]:
-    search_tour(drawn(Size(3, 8.0, 1e-6, 1.0, 1), 0), limit=10.0)  # compiles
+    search_tour(random_tour(Size(3, 8.0, 1e-6, 1.0, 1), 0), limit=10.0)  # compiles
     known: dict[Size, list[Timed]] = {}
     for size in SIZES:
-        known[size] = [proved(size, drawn(size, seed)) for seed in range(SETS)]
+        known[size] = [proved(size, random_tour(size, seed)) for seed in range(SETS)]
         yield proof_row(size, known[size])
     for size in BESIDE:
         yield from shorter_ways(size, known[size])
@@ -118,7 +122,10 @@ def named(size: Size) -> str:
 
 
 def proof_row(size: Size, found: Sequence[Timed]) -> Measurement:
-    """How long the proofs took; of the largest tours how wide the interval is."""
+    """Times of the proofs.
+
+    For the largest tours the row has the width of the interval.
+    """
     gaps = [(each.result.high - each.result.low) / each.result.high for each in found]
     closed = sum(each.result.closed for each in found)
     seconds = median(each.seconds for each in found)
@@ -140,53 +147,64 @@ def proof_row(size: Size, found: Sequence[Timed]) -> Measurement:
 
 
 def shorter_ways(size: Size, found: Sequence[Timed]) -> Iterator[Measurement]:
-    """What is lost without a proof, and how long it takes, on the same points."""
+    """Loss and time of ways without a proof.
+
+    All ways take the same points.
+    """
     for way, (length_of, missing) in WAYS.items():
         what = f"{way}: {named(size)}"
-        tried = [timed(length_of, drawn(size, seed)) for seed in range(len(found))]
-        if any(math.isnan(each.result) for each in tried):
+        timings = [timed(length_of, random_tour(size, seed)) for seed in range(len(found))]
+        if any(math.isnan(each.result) for each in timings):
             yield absent(what, missing)
             continue
         above = [
-            each.result / proof.result.high - 1.0 for each, proof in zip(tried, found, strict=True)
+            each.result / proof.result.high - 1.0
+            for each, proof in zip(timings, found, strict=True)
         ]
         yield Measurement(
             what,
             ours=median(proof.seconds for proof in found),
-            peer=median(each.seconds for each in tried),
+            peer=median(each.seconds for each in timings),
             unit="s",
             note=f"longer by {median(above):.1%} at the median, {max(above):.1%} at most",
         )
 
 
 def euclidean_order(stops: Stops) -> list[int]:
-    """The shortest polygon that is found by turning parts round and moving points."""
+    """The shortest polygon of a local search.
+
+    Parts of it are turned round and points are moved.
+    """
     n = len(stops.points)
     apart = np.hypot(*(stops.points[:, None] - stops.points[None]).transpose(2, 0, 1))
     apart[np.diag_indices(n)] = math.inf
     starts = np.hypot(*stops.points.T)
     ends = np.hypot(*(stops.points - np.array(stops.target)).T)
     rng = np.random.default_rng(0)
-    best, shortest = [0], math.inf
+    best = [0]
+    shortest = math.inf
     for _ in range(10):
         order = rng.permutation(n)
         before = math.inf
         while (length := better_order(order, np.arange(n + 1), apart, starts, ends)) < before:
             before = length
         if length < shortest:
-            best, shortest = order.tolist(), length
+            best = order.tolist()
+            shortest = length
     return best
 
 
 def euclidean_headings(stops: Stops) -> float:
-    """The length of the best headings for the Euclidean order."""
+    """Length of the best headings for the Euclidean order."""
     points, headings = stops.route(euclidean_order(stops))
     route = search(points, headings[0], headings[-1], limit=20.0, tolerance=1e-9)
     return route.length
 
 
 def alternating(stops: Stops) -> float:
-    """Straight along each second edge of the Euclidean order, a Dubins path between.
+    """Length of a tour by the alternating algorithm.
+
+    It drives straight along each second edge of the Euclidean order, and a Dubins path between.
 
     Savla, Frazzoli and Bullo 2005, On the point-to-point and traveling salesperson problems for
     Dubins' vehicle.
@@ -220,7 +238,7 @@ def without_parts(size: Size, found: Sequence[Timed]) -> Iterator[Measurement]:
     """The search without each of its parts."""
     for part, names in PARTS.items():
         with without(names):
-            spoilt = [proved(size, drawn(size, seed)) for seed in range(len(found))]
+            spoilt = [proved(size, random_tour(size, seed)) for seed in range(len(found))]
         closed = sum(each.result.closed for each in spoilt)
         ours = median(proof.seconds for proof in found)
         theirs = median(each.seconds for each in spoilt)
@@ -259,7 +277,7 @@ PARTS: dict[str, dict[str, Any]] = {
 
 @contextmanager
 def without(names: dict[str, Any]) -> Iterator[None]:
-    """Put something else in the place of parts of the search."""
+    """Replace parts of the search by something else."""
     with ExitStack() as stack:
         for name, value in names.items():
             owners = (tour_search._TourSearch, tour_search, orders)

@@ -1,4 +1,6 @@
-"""turn-rate-qp at n = 50: what stands around the QP engine, and what every engine takes and leaves.
+"""turn-rate-qp at n = 50: time beside its engine.
+
+It also compares the time and the gap of every engine.
 
 Times are ms and medians over repeats, gaps are relative lengths above the closed form.
 """
@@ -46,7 +48,10 @@ class EngineFigures:
 
 
 def scenarios() -> dict[str, list[Scenario]]:
-    """Targets on spirals around the start: 12 outside the discs, 6 inside."""
+    """Targets on spirals around the start.
+
+    12 are outside the discs, 6 inside.
+    """
     outside = [
         Scenario(1, -2, 0.3, 1 + d * math.cos(a), -2 + d * math.sin(a), 1)
         for k in range(sized(12, 1))
@@ -61,9 +66,13 @@ def scenarios() -> dict[str, list[Scenario]]:
 
 
 def measure_engine(engine: str, repeats: int = 5) -> EngineFigures:
-    """Solve all scenarios `repeats` times; the pass with the median time per QP counts."""
+    """Solve all scenarios `repeats` times.
+
+    The pass with the median time per QP counts.
+    """
     solver = TurnRateQp(n=N, engine=engine)
-    qp, groups = template(N, 1, False, engine), scenarios()
+    qp = template(N, 1, False, engine)
+    groups = scenarios()
     inner = qp.solve
     reported: list[float] = []
     asked: list[float] = []
@@ -92,9 +101,10 @@ def measure_engine(engine: str, repeats: int = 5) -> EngineFigures:
                     solution = solver.solve(solver.build(Question(scenario)), 30.0)
                     spent.append(time.perf_counter() - began)
                     if turn == 0:
-                        found = judge(scenario, solution.path, solution.claim)
+                        judgement = judge(scenario, solution.path, solution.claim)
                         failures += solution.claim is not Claim.LOCAL
-                        gaps[name].append(math.inf if found.gap is None else found.gap)
+                        gap = math.inf if judgement.gap is None else judgement.gap
+                        gaps[name].append(gap)
             if turn:
                 step = sum(spent) / len(reported)
                 passes.append((step, fmean(asked), fmean(reported), len(reported)))
@@ -116,20 +126,25 @@ def measure_engine(engine: str, repeats: int = 5) -> EngineFigures:
 
 
 def measure() -> Iterable[Measurement]:
-    """Every engine; OSQP and HiGHS, which take tens of times longer, in one pass."""
+    """Measure every engine.
+
+    OSQP and HiGHS, which take tens of times longer, are measured in one pass.
+    """
     for engine in names(QP):
         quick = engine in ("piqp", "clarabel")
-        found = measure_engine(engine, sized(5, 1) if quick else 1)
-        gaps = f"gap {found.outside_gap:.1e} outside, {found.disc_gap:.1e} in discs"
+        repeats = sized(5, 1) if quick else 1
+        target = TARGET_MS if quick else None
+        figures = measure_engine(engine, repeats)
+        gaps = f"gap {figures.outside_gap:.1e} outside, {figures.disc_gap:.1e} in discs"
         # cvxpy's interfaces to the other two set the engine up anew for every QP
         yield Measurement(
             f"turn-rate-qp, n={N}, {engine}: a QP asked, beside the engine's own time",
-            ours=found.asked_ms,
-            peer=found.engine_ms,
+            ours=figures.asked_ms,
+            peer=figures.engine_ms,
             unit="ms/QP",
-            ratio=found.overhead_ms,
-            target=TARGET_MS if quick else None,
-            note=f"ours - peer, ms; {found.step_ms:.2f} ms a step of the sequence, with rollouts "
-            f"and corrections; {found.median_ms:.0f} ms a scenario; {gaps}; "
-            f"{found.failures} not local",
+            ratio=figures.overhead_ms,
+            target=target,
+            note=f"ours - peer, ms; {figures.step_ms:.2f} ms a step of the sequence, with rollouts "
+            f"and corrections; {figures.median_ms:.0f} ms a scenario; {gaps}; "
+            f"{figures.failures} not local",
         )

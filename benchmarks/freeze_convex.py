@@ -1,4 +1,6 @@
-"""Make the frozen problems: those of `turn-rate-qp` along 50 routes, and two families.
+"""Make the frozen problems of the convex engines.
+
+They are those of `turn-rate-qp` along 50 routes, and two families.
 
 Three families, each of three sizes; docs/convex.md has the mathematics:
 
@@ -49,7 +51,9 @@ WANTED = {
     5000: {"qp": 12, "tube": 4, "time": 4},
 }
 _LEAST_STEPS, _MOST_STEPS = 5, 2000  # of a leg
-_BEGINNINGS, _EVERY = 6, 12  # sequences are entered at one of six QPs, then at every twelfth
+# sequences are entered at one of six QPs, then at every twelfth
+_BEGINNINGS = 6
+_EVERY = 12
 _MARGINS = (1e-5, 1e-6, 1e-7)  # by which all holds at the interior, the first that can be
 _PART = 0.8  # of the trust region, which the nearest step may use (Nocedal and Wright, sec. 18.5)
 _EASE = 1.25  # boxes and discs are a quarter larger than the nearest step needs
@@ -62,7 +66,10 @@ Points = list[tuple[float, float]]
 
 
 def routes() -> dict[str, Scenario]:
-    """50 routes from (0, 0, 0), by name: their layout and number of legs; lengths in radii."""
+    """50 routes from (0, 0, 0), by name.
+
+    A name has the layout and the number of legs. Lengths are in radii.
+    """
     named = {}
     for legs in LEGS:
         random = np.random.default_rng([2026, legs])
@@ -84,7 +91,10 @@ def _random(random: np.random.Generator, legs: int) -> Points:
 
 
 def _nearest_first(points: FloatArray) -> Points:
-    """Each time the nearest point that is left; a tour's usual first guess."""
+    """Order by the nearest point that is left.
+
+    It is a tour's usual first guess.
+    """
     left = list(map(tuple, points.tolist()))
     here: tuple[float, float] = (0.0, 0.0)
     order = []
@@ -96,7 +106,10 @@ def _nearest_first(points: FloatArray) -> Points:
 
 
 def _rows(legs: int) -> Points:
-    """Rows of a survey, 12 radii long and 2.5 apart, driven to and fro."""
+    """Rows of a survey, driven to and fro.
+
+    They are 12 radii long and 2.5 apart.
+    """
     ends = [(2.0, 14.0), (14.0, 2.0)]
     return [(ends[k // 2 % 2][k % 2], 2.5 * (k // 2)) for k in range(legs)]
 
@@ -107,7 +120,10 @@ def _scenario(points: Points) -> Scenario:
 
 
 class Step(NamedTuple):
-    """A QP that `turn-rate-qp` solves: its numbers, and what they were taken from."""
+    """A QP that `turn-rate-qp` solves.
+
+    It has its numbers, and what they were taken from.
+    """
 
     numbers: Numbers
     rolled: Rollout
@@ -115,10 +131,14 @@ class Step(NamedTuple):
 
 
 def sequence(route: Scenario, n: int) -> tuple[list[Step], Path | None]:
-    """All QPs that `turn-rate-qp` with n steps a leg solves for a route, and the path it finds."""
+    """All QPs of one route, and the path.
+
+    `turn-rate-qp` solves them with n steps a leg.
+    """
     steps: list[Step] = []
     running: list[QpSequence] = []
-    ask, solve = QpSequence._ask, QpTemplate.solve
+    ask = QpSequence._ask
+    solve = QpTemplate.solve
 
     def noted(self: QpSequence) -> Any:
         running[:] = [self]
@@ -135,9 +155,10 @@ def sequence(route: Scenario, n: int) -> tuple[list[Step], Path | None]:
 
 
 def positions(step: Step, parts: FloatArray) -> csr_array:
-    """How points of the legs move, x and y in turn, in mean legs: columns z, then t.
+    """Moves of points of the legs.
 
-    A point is the end of so many steps of its leg; `parts` has their numbers.
+    Rows are x and y in turn, in mean legs; columns are z, then t. A point is the end of so many
+    steps of its leg; `parts` has their numbers.
     """
     legs = step.numbers.w.size
     N = step.numbers.c.size
@@ -156,9 +177,13 @@ def positions(step: Step, parts: FloatArray) -> csr_array:
 
 
 def rates(step: Step) -> tuple[csr_array, FloatArray]:
-    """Rows in z and t, and their upper ends: turn rates within 1 / radius, in that unit."""
+    """Rows of the turn rates, and their upper ends.
+
+    Columns are z and t. Rates are within 1 / radius, in that unit.
+    """
     numbers = step.numbers
-    N, legs = numbers.c.size, numbers.w.size
+    N = numbers.c.size
+    legs = numbers.w.size
     turn = diags_array([1 / numbers.upper, -1 / numbers.upper[1:]], offsets=[0, -1], shape=(N, N))
     stretched = kron(eye_array(legs), np.ones((N // legs, 1)))
     rows = block_array([[turn, -stretched], [-turn, -stretched]])
@@ -167,39 +192,50 @@ def rates(step: Step) -> tuple[csr_array, FloatArray]:
 
 
 def nearest(step: Step, ends: csr_array, missing: FloatArray) -> tuple[FloatArray, float]:
-    """The step (z, t) with the least largest miss in a part of the trust region, and that miss."""
+    """The best step in the trust region.
+
+    The step (z, t) has the least largest miss in a part of the region. That miss comes with it.
+    """
     A, high = rates(step)
     ones = np.ones((missing.size, 1))
     rows = block_array([[A, None], [ends, -ones], [-ends, -ones]])
     box = _PART * trust(step)
     bounds = [*zip(-box, box, strict=True), (0, None)]
     cost = np.append(np.zeros(box.size), 1.0)
-    found = linprog(cost, rows, np.concatenate((high, missing, -missing)), bounds=bounds)
-    return found.x[:-1], float(found.fun)
+    optimum = linprog(cost, rows, np.concatenate((high, missing, -missing)), bounds=bounds)
+    return optimum.x[:-1], float(optimum.fun)
 
 
 def trust(step: Step) -> FloatArray:
     """The largest changes of headings and lengths."""
     numbers = step.numbers
-    reach, stretch = numbers.reach[0], numbers.stretch[0]
+    reach = numbers.reach[0]
+    stretch = numbers.stretch[0]
     return np.repeat((reach, stretch), (numbers.c.size, numbers.w.size))
 
 
 def box_qp(step: Step) -> Problem:
-    """The QP of a step: its legs end in boxes around their points."""
-    N, legs = step.numbers.c.size, step.numbers.w.size
-    ends, missing = positions(step, [N // legs]), step.numbers.r.T.ravel()
+    """The QP of a step.
+
+    Its legs end in boxes around their points.
+    """
+    N = step.numbers.c.size
+    legs = step.numbers.w.size
+    ends = positions(step, [N // legs])
+    missing = step.numbers.r.T.ravel()
     _, miss = nearest(step, ends, missing)
     width = max(_EASE * miss, _LEAST_WIDTH)
     return _step_problem(step, ends, missing, np.full(2 * legs, width), [])
 
 
 def tube(step: Step) -> Problem:
-    """The SOCP of a step: discs around the points, and around the quarters of the present legs.
+    """The SOCP of a step.
 
-    Each leg's changes of headings lie in a ball, too.
+    Its legs end in discs around the points, and so do the quarters of the present legs. Each leg's
+    changes of headings lie in a ball, too.
     """
-    N, legs = step.numbers.c.size, step.numbers.w.size
+    N = step.numbers.c.size
+    legs = step.numbers.w.size
     n = N // legs
     parts = [n // 4, n // 2, 3 * n // 4, n]
     missing = np.zeros((legs, 4, 2))
@@ -220,9 +256,14 @@ def tube(step: Step) -> Problem:
 def _step_problem(
     step: Step, moves: csr_array, missing: FloatArray, width: FloatArray, balls: Sequence[Any]
 ) -> Problem:
-    """Length and curvature over z, t and s, where s are the points' places off their centres."""
+    """Length and curvature over z, t and s.
+
+    s are the points' places off their centres.
+    """
     numbers = step.numbers
-    N, legs, k = numbers.c.size, numbers.w.size, width.size
+    N = numbers.c.size
+    legs = numbers.w.size
+    k = width.size
     A, high = rates(step)
     box = np.concatenate((trust(step), width))
     sizes = np.array([1 + columns.size for _, columns in balls], dtype=int)
@@ -248,14 +289,17 @@ def _step_problem(
 
 
 def fastest(path: Path) -> Problem:
-    """The fastest drive along a path: squared speeds b, their roots c, 1 / speeds d, accelerations.
+    """The fastest drive along a path.
+
+    Variables are squared speeds b, their roots c, 1 / speeds d, and accelerations.
 
     Between the N + 1 ends of the steps b is linear. Each speed is in units of that at which a turn
     by the radius takes the largest acceleration to the side; the cost is the time over that of this
     speed.
     """
     some = path.lengths > 1e-9
-    length, bend = path.lengths[some], np.abs(path.curvatures[some])
+    length = path.lengths[some]
+    bend = np.abs(path.curvatures[some])
     N = length.size
     sharp = np.maximum(np.append(bend, 0.0), np.append(0.0, bend))
     top = np.minimum(_TOP, 1 / np.maximum(sharp, 1 / _TOP))
@@ -264,7 +308,8 @@ def fastest(path: Path) -> Problem:
     rise = diags_array([-ones, ones], offsets=[0, 1], shape=(N, N + 1))
     both = diags_array([ones, ones], offsets=[0, 1], shape=(N, N + 1))
     A = block_array([[diags_array(0.5 / length) @ rise, csr_array((N, 2 * N + 1)), -eye_array(N)]])
-    unit, each = eye_array(N + 1), eye_array(N)
+    unit = eye_array(N + 1)
+    each = eye_array(N)
     no_b, no_d = csr_array((N, N + 1)), csr_array((N + 1, N))
     C = block_array(
         [
@@ -305,9 +350,13 @@ def _sorted(matrix: Any) -> csr_array:
 
 
 def best_drive(bare: Problem) -> Point:
-    """The solution of `fastest`: at each place the largest speed that both ends allow."""
+    """The solution of `fastest`.
+
+    At each place it has the largest speed that both ends allow.
+    """
     N = bare.l.size
-    top, cost = bare.ub[: N + 1], bare.q[2 * N + 2 : 3 * N + 2]
+    top = bare.ub[: N + 1]
+    cost = bare.q[2 * N + 2 : 3 * N + 2]
     lengths = 0.5 / bare.A.data.reshape(N, 3)[:, 1]
     b = top.copy()
     for k in range(N):
@@ -324,38 +373,47 @@ def best_drive(bare: Problem) -> Point:
     w = np.concatenate((of_roots.ravel(), (of_inverses * along[:, None]).ravel()))
     # what is left is linear in b
     rise = bare.A[:, : N + 1]
-    found = linprog(
+    optimum = linprog(
         -2 * pull,
         vstack([rise, -rise]),
         np.repeat((_FASTER, _SLOWER), N),
         bounds=np.column_stack((np.zeros(N + 1), top)),
     )
-    faster, slower = np.split(-found.ineqlin.marginals, 2)
+    faster, slower = np.split(-optimum.ineqlin.marginals, 2)
     y = faster - slower
     x = np.concatenate((b, c, inverse, rise @ b))
     return Point(x, y, bare.C.T @ w - bare.q - bare.A.T @ y, w)
 
 
 def witnessed(bare: Problem, *known: Point) -> Problem:
-    """The problem with a cheap interior, and the tightest interval of engines' and known points."""
+    """The problem with its tightest interval.
+
+    It gets a cheap interior; the interval is that of engines' and known points.
+    """
     engines = ("clarabel", "ecos") if bare.cones.size else ("clarabel", "piqp")
     points = list(known)
     for engine in engines:
         solve = prepare(engine, "own", bare)
         points += [solve(Ask(10.0**-digits, 60.0)).point for digits in range(9, 14)]
-    best, high, low = replace(bare, interior=interior(bare)), np.inf, -np.inf
+    best = replace(bare, interior=interior(bare))
+    high = np.inf
+    low = -np.inf
     for point in points:
         if point is None:
             continue
         if (value := upper_bound(best, point.x)) < high:
-            high, best = value, replace(best, x=point.x)
+            high = value
+            best = replace(best, x=point.x)
         if (value := lower_bound(best, point)) > low:
-            low, best = value, replace(best, y=point.y, z=point.z, w=point.w)
+            low = value
+            best = replace(best, y=point.y, z=point.z, w=point.w)
     return best
 
 
 def interior(bare: Problem) -> FloatArray:
-    """The optimum of the problem whose rows, bounds and cones are tightened, all by as much.
+    """Optimum of the problem with everything tightened.
+
+    Rows, bounds and cones are tightened by as much.
 
     On the way to it a point becomes feasible at about the least cost: its violation times the sum
     of the multipliers.
@@ -369,14 +427,14 @@ def interior(bare: Problem) -> FloatArray:
         tight = replace(bare, **lower, **upper, d=bare.d - margin * heads)
         solve = prepare("clarabel", "own", tight)
         for digits in (9, 8, 7):
-            found = solve(Ask(10.0**-digits, 60.0))
-            if found.claim is Claim.OPTIMAL and found.point is not None:
-                return np.clip(found.point.x, bare.lb, bare.ub)
-    raise ProblemError(f"no interior: {found.status}")
+            result = solve(Ask(10.0**-digits, 60.0))
+            if result.claim is Claim.OPTIMAL and result.point is not None:
+                return np.clip(result.point.x, bare.lb, bare.ub)
+    raise ProblemError(f"no interior: {result.status}")
 
 
 class Frozen(NamedTuple):
-    """A problem, its name, and the route that it comes from."""
+    """A problem, its name, and its route."""
 
     name: str
     route: Scenario
@@ -388,7 +446,8 @@ def chosen(size: int) -> Iterator[Frozen]:
 
     Of each sequence every 12th QP counts; of all of them as many are taken as are wanted, evenly.
     """
-    steps, paths = [], []
+    steps = []
+    paths = []
     for place, (name, route) in enumerate(routes().items()):
         legs = len(route.via) + 1
         if not _LEAST_STEPS <= size // legs <= _MOST_STEPS:
@@ -413,7 +472,10 @@ def _evenly(items: list[Any], number: int, shift: float) -> list[Any]:
 
 
 def trivial() -> Problem:
-    """x^2 / 2 - x over [0, 1], with a row that does not bind: what any call takes."""
+    """A trivial problem: the time of any call.
+
+    It is x^2 / 2 - x over [0, 1], with a row that does not bind.
+    """
     one, none = np.ones(1), np.zeros(0)
     return Problem(
         *(one, -one, csr_array([[1.0]]), -2 * one, 2 * one, 0 * one, one, csr_array((0, 1))),
@@ -422,7 +484,10 @@ def trivial() -> Problem:
 
 
 def write(problem: Problem, file: FilePath) -> str:
-    """Write a problem as a compressed .npz file, and return the SHA-256 of its bytes."""
+    """Write a problem as a compressed .npz file.
+
+    Returns the SHA-256 of its bytes.
+    """
     arrays: dict[str, Any] = {}
     for each in fields(problem):
         value = getattr(problem, each.name)
@@ -435,7 +500,10 @@ def write(problem: Problem, file: FilePath) -> str:
 
 
 def main() -> None:
-    """Write all files and the list of them, and print the intervals."""
+    """Write all files and their list.
+
+    The intervals are printed.
+    """
     folder = FilePath(problem.__file__).with_name("problems")
     listed = {"trivial": {"sha256": write(trivial(), folder / "trivial.npz")}}
     for size in WANTED:

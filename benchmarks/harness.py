@@ -1,4 +1,4 @@
-"""What a benchmark returns, and how two things are timed side by side.
+"""Rows of a benchmark, and timing side by side.
 
 A benchmark is a module `benchmarks/bench_NAME.py` with a function
 
@@ -27,7 +27,10 @@ smallest = False  # whether the benchmarks imported from now on have their small
 
 
 def sized(usual: int, least: int) -> int:
-    """A size of a benchmark: the usual one, or the least where only the code is tried."""
+    """The usual size, or a small one.
+
+    The small one is taken where only the code is tried.
+    """
     return least if smallest else usual
 
 
@@ -58,7 +61,10 @@ class Measurement:
 
     @property
     def ok(self) -> bool | None:
-        """Whether the target is met; None where nothing was measured or no target is set."""
+        """Whether the target is met.
+
+        None where nothing was measured or no target is set.
+        """
         if self.failed:
             return False
         if self.ratio is None or self.target is None:
@@ -67,7 +73,7 @@ class Measurement:
 
 
 def absent(what: str, reason: str) -> Measurement:
-    """The row of a comparison that cannot be made here."""
+    """Row of a comparison that cannot be made."""
     return Measurement(what, note=reason)
 
 
@@ -81,7 +87,10 @@ class Timing(NamedTuple):
 def side_by_side(
     functions: Mapping[str, Callable[[], object]], repeats: int = 15
 ) -> dict[str, Timing]:
-    """Time functions in turn, `repeats` times round, after one call of each to warm up."""
+    """Time functions in turn, `repeats` times round.
+
+    Each is called once before, to warm up.
+    """
     seconds: dict[str, list[float]] = {name: [] for name in functions}
     for function in functions.values():
         function()

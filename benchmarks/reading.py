@@ -1,4 +1,6 @@
-"""How this project reads: `python -m benchmarks.reading` measures its code and its sentences.
+"""Measures of how this project reads.
+
+`python -m benchmarks.reading` measures its code and its sentences.
 
 Of the package: characters and syntax nodes a line of code, assignments to a tuple and conditional
 expressions in 1 000 lines, words of first lines of docstrings. Of each page of the documentation:
@@ -70,7 +72,10 @@ def measures(folder: Path) -> dict[str, float]:
 
 
 def sentences(markdown: str) -> list[int]:
-    """The numbers of words of the sentences of a page, without tables, code and formulae."""
+    """Numbers of words of a page's sentences.
+
+    Tables, code and formulae are left out.
+    """
     prose: list[str] = [""]
     for line in _FENCED.sub("", markdown).splitlines():
         text = re.sub(r"^\s*(?:[-*]|\d+\.|>)\s+", "\0", line)

@@ -1,4 +1,6 @@
-"""Recompute the numbers of the benchmark's front page and of README from the Parquet rows alone.
+"""Recompute the benchmark's numbers from the Parquet rows.
+
+They are the numbers of its front page and of README. Nothing but the rows is read.
 
     python -m benchmarks.recompute results/benchmark results/benchmark-report
 
@@ -27,7 +29,7 @@ _NEAR = 0.1 * (1 + 1e-6)  # radii
 
 
 class Number(NamedTuple):
-    """A number as it is printed, and as it comes out here."""
+    """A number as printed and as recomputed."""
 
     name: str
     printed: str
@@ -39,7 +41,10 @@ class Number(NamedTuple):
 
 
 def read(folder: Path) -> pd.DataFrame:
-    """The rows of the suites of paths and tours, with `right`, `question` and `made`."""
+    """Rows of the suites of paths and tours.
+
+    They have the columns `right`, `question` and `made`.
+    """
     frames = []
     for suite in SUITES:
         parts = sorted((folder / suite.removeprefix("benchmark-") / "parts").glob("*.parquet"))
@@ -61,7 +66,10 @@ def read(folder: Path) -> pd.DataFrame:
 
 
 def count(n: float) -> str:
-    """A whole number with a space at thousands, as the page writes it."""
+    """A whole number with spaces, as printed.
+
+    A space stands at thousands.
+    """
     return f"{int(n):,}".replace(",", " ")
 
 
@@ -98,7 +106,10 @@ def text_of(page: str, section: str) -> str:
 
 
 def belief(rows: pd.DataFrame, page: str) -> Iterator[Number]:
-    """Attempts, methods that make false claims, denials, and claims of an optimum."""
+    """Counts of false claims by attempts and methods.
+
+    They are attempts, methods that make false claims, denials, and claims of an optimum.
+    """
     text = text_of(page, "belief").replace("\u202f", " ")
     asked = rows[rows["presolved"].ne(True)]
     false = asked["false_claim"].eq(True)
@@ -116,20 +127,26 @@ def belief(rows: pd.DataFrame, page: str) -> Iterator[Number]:
 
 
 def one(pattern: str, text: str) -> str:
-    """What a pattern finds first; a dash where it finds nothing."""
-    found = re.search(pattern, text)
-    return found[1].strip() if found else "-"
+    """First match of a pattern; a dash if none."""
+    match = re.search(pattern, text)
+    return match[1].strip() if match else "-"
 
 
 def suites_of(rows: pd.DataFrame) -> pd.Series[str]:
-    """The columns of the table: legs near a circle and elsewhere apart."""
+    """Columns of the table of suites.
+
+    Legs near a circle and elsewhere are apart.
+    """
     near = rows["margin"].abs() <= _NEAR
     where = near.map({True: ", near a circle", False: ", elsewhere"})
     return rows["suite"].where(rows["suite"] != "benchmark-leg", rows["suite"] + where)
 
 
 def decision(rows: pd.DataFrame, folder: Path) -> Iterator[Number]:
-    """Each cell of the table of where engines err, and the false claims of each line."""
+    """Cells of the table of where engines err.
+
+    The false claims of each line are there too.
+    """
     table = pd.read_csv(folder / "tables" / "decision.csv")
     asked = rows[rows["path"]].assign(column=suites_of(rows))
     columns = list(dict.fromkeys(asked.sort_values("suite")["column"]))
@@ -153,12 +170,15 @@ def readme(rows: pd.DataFrame, text: str) -> Iterator[Number]:
             chosen = asked[asked["solver"] == solver]
             every = {name: share_text(part) for name, part in chosen.groupby("column")}
             every |= {name: share_text(part) for name, part in chosen.groupby("suite")}
-            found = printed if printed in every.values() else " / ".join(every.values())
-            yield Number(f"README: {solver}", printed, found)
+            number = printed if printed in every.values() else " / ".join(every.values())
+            yield Number(f"README: {solver}", printed, number)
 
 
 def findings(rows: pd.DataFrame, page: str) -> Iterator[Number]:
-    """What the sentences are about, where it needs no choice among methods."""
+    """Numbers of the findings' sentences.
+
+    Only those are computed that need no choice among methods.
+    """
     text = text_of(page, "findings")
     legs = rows["via_x"].map(np.size, na_action="ignore").fillna(0) + 1
     routes = rows[rows["path"] & (legs > 1) & rows["solver"].eq("analytic")]
@@ -174,7 +194,10 @@ def findings(rows: pd.DataFrame, page: str) -> Iterator[Number]:
 
 
 def grids(rows: pd.DataFrame, page: str) -> Iterator[Number]:
-    """How many proved optima of a grid of eight headings are longer than the proved tour."""
+    """Number of grid optima longer than the tour.
+
+    The optima are proved for a grid of eight headings; the tour is proved too.
+    """
     in_time = rows["path"] & ~(rows["wall_s"] > rows["limit_s"])
     exact = rows["solver"].eq("analytic") & rows["claim"].eq("optimal") & rows["right"]
     proved = set(rows.loc[exact, "scenario_id"])
@@ -185,13 +208,14 @@ def grids(rows: pd.DataFrame, page: str) -> Iterator[Number]:
     chosen = rows[in_time & program & eight & solved & rows["scenario_id"].isin(proved)]
     optima = chosen.drop_duplicates("scenario_id")
     printed = one(r"with 8 headings a point, ([\d.]+ %)", text_of(page, "findings"))
-    found = percent(float(optima["verdict"].eq("longer").mean())) if len(optima) else "-"
-    yield Number("optima of a grid that are longer", printed, found)
+    share = percent(float(optima["verdict"].eq("longer").mean())) if len(optima) else "-"
+    yield Number("optima of a grid that are longer", printed, share)
 
 
 def main(arguments: list[str]) -> int:
     """Print every number twice; 1 if two differ."""
-    results, report = Path(arguments[0]), Path(arguments[1])
+    results = Path(arguments[0])
+    report = Path(arguments[1])
     rows: Any = read(results)
     page = (report / "index.html").read_text(encoding="utf-8")
     paths = rows[rows["suite"] != TOURS]

@@ -1,4 +1,6 @@
-"""Peers of routes, built from their public sources: comrob/gdip (bounds) and icosac/MPDP (paths).
+"""Peers of routes, built from their public sources.
+
+They are comrob/gdip (bounds) and icosac/MPDP (paths).
 
 `python -m benchmarks route --peers FOLDER` finds clones of them in FOLDER/gdip and FOLDER/MPDP.
 A program of ours around each library is compiled in a temporary folder and put the routes that our
@@ -32,7 +34,10 @@ ROUNDING = 1e-12  # between lengths of one path in the arithmetic of two program
 
 
 class Peer(NamedTuple):
-    """A library: what of its clone is compiled, and the settings that it is asked with."""
+    """A library and its settings.
+
+    It has the parts of its clone that are compiled.
+    """
 
     name: str  # also of the clone's folder
     includes: tuple[str, ...]
@@ -75,7 +80,10 @@ def peer_rows(
     limit: float,
     tolerance: float,
 ) -> Iterable[Measurement]:
-    """A row for each peer and setting, on the routes that `ours` answers; none without sources."""
+    """A row for each peer and setting.
+
+    They answer the routes that `ours` answers. None without sources.
+    """
     for peer in PEERS if harness.peer_sources else ():
         try:
             program = _built(harness.peer_sources, peer)
@@ -122,7 +130,10 @@ def _row(
     ours: Sequence[Route],
     tolerance: float,
 ) -> Measurement:
-    """Its time beside ours, its bounds and paths beside the proven interval."""
+    """A peer's time, bounds and paths beside ours.
+
+    Its time stands beside ours; bounds and paths stand beside the proven interval.
+    """
     lengths = np.array(
         [
             route_length(np.ascontiguousarray(np.diff(some, axis=0)), answer.headings)

@@ -1,4 +1,6 @@
-"""A genetic search for the order, its operators and its loop from DEAP; headings of a grid.
+"""A genetic search for the order of a tour.
+
+Its operators and its loop come from DEAP; headings are those of a grid.
 
 Orders are crossed and parts of them turned round; one is as good as its best headings. A genetic
 search for Dubins tours is that of Yu and Hung 2012; this one has no proof either.
@@ -21,13 +23,15 @@ from dubins_study.study.tour.stops import Stops
 NO_DEAP = "deap is not installed"
 _PEOPLE = 200
 _GENERATIONS = sized(300, 20)
-_CROSSED, _CHANGED = 0.8, 0.3  # shares of a generation
+# shares of a generation
+_CROSSED = 0.8
+_CHANGED = 0.3
 _RIVALS = 3
 _SEED = 34
 
 
 def evolved(stops: Stops) -> float:
-    """The length of the best tour; NaN without the library."""
+    """Length of the best tour; NaN without the library."""
     if find_spec("deap") is None:
         return math.nan
     from deap import algorithms, base, tools
@@ -55,7 +59,7 @@ def evolved(stops: Stops) -> float:
 
 
 def length_on_grid(order: Sequence[int], costs: np.ndarray) -> float:
-    """The length of an order with the best headings of the grid."""
+    """Length of an order with the grid's best headings."""
     start, target = len(costs) - 2, len(costs) - 1
     nodes = [slice(HEADINGS * point, HEADINGS * (point + 1)) for point in order]
     to = costs[start, nodes[0]]

@@ -1,4 +1,6 @@
-"""OR-tools' routing library on headings of a grid: one node a heading, one of each point's visited.
+"""OR-tools' routing library on headings of a grid.
+
+A heading is a node, and one node of each point is visited.
 
 A local search (guided, of a given time) without a proof.
 """
@@ -24,7 +26,10 @@ _LAST_HEADINGS = 72
 
 
 def routed(stops: Stops) -> float:
-    """The length of the tour that is found; NaN without the library, infinite without a tour."""
+    """Length of the tour.
+
+    NaN without the library; infinite without a tour.
+    """
     if find_spec("ortools") is None:
         return math.nan
     from ortools.constraint_solver import pywrapcp, routing_enums_pb2
@@ -47,14 +52,17 @@ def routed(stops: Stops) -> float:
         routing_enums_pb2.LocalSearchMetaheuristic.GUIDED_LOCAL_SEARCH
     )
     asked.time_limit.seconds = SECONDS
-    found = routing.SolveWithParameters(asked)
-    if found is None or found.ObjectiveValue() >= _NOT_VISITED:
+    solution = routing.SolveWithParameters(asked)
+    if solution is None or solution.ObjectiveValue() >= _NOT_VISITED:
         return math.inf
-    return float(found.ObjectiveValue() / UNITS)
+    return float(solution.ObjectiveValue() / UNITS)
 
 
 def grid_costs(stops: Stops) -> np.ndarray:
-    """Lengths between all headings, those of the start and to the target in the last two rows."""
+    """Lengths between all headings.
+
+    Those of the start and to the target are in the last two rows.
+    """
     n = len(stops.points)
     grid = np.linspace(-math.pi, math.pi, HEADINGS, endpoint=False)
     last = np.linspace(-math.pi, math.pi, _LAST_HEADINGS, endpoint=False)

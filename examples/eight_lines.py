@@ -1,4 +1,7 @@
-"""A solver in eight lines: one turn to the side of the target, then straight on."""
+"""A solver in eight lines.
+
+It turns once, to the side of the target, and drives straight on.
+"""
 
 from math import copysign
 

@@ -1,4 +1,6 @@
-"""Gurobi and Xpress for formulations of this package: engines that need a licence, as a plug-in.
+"""Gurobi and Xpress as engines of a plug-in.
+
+They need a licence, and solve formulations of this package.
 
     pip install gurobipy xpress
     dubins-study solve 3 2 --solver 'licensed_engines.py:GlobalNlp[engine=xpress]'
@@ -69,7 +71,10 @@ GUROBI_CLAIMS = {
 
 @cache
 def gurobi_environment() -> Any:
-    """One silent environment for the process: starting it reads the licence."""
+    """One silent environment for the process.
+
+    Starting it reads the licence.
+    """
     import gurobipy
 
     return gurobipy.Env(params={"OutputFlag": 0, "LogToConsole": 0})
@@ -78,7 +83,10 @@ def gurobi_environment() -> Any:
 def run_gurobi(
     model: Any, program: MixedProgram, settings: Settings, seconds: float
 ) -> ProvenResult:
-    """Write the program into an empty model, and solve it."""
+    """Write the program into a model; solve it.
+
+    The model is empty before.
+    """
     import gurobipy
 
     kinds = np.where(program.binary, gurobipy.GRB.BINARY, gurobipy.GRB.CONTINUOUS)
@@ -107,11 +115,12 @@ def run_gurobi(
     name = names[model.Status]
     unnamed = Claim.FAILED if point is None else Claim.FEASIBLE
     claim = GUROBI_CLAIMS.get(name, unnamed)
+    bound = math.inf if claim is Claim.INFEASIBLE else float(model.ObjBound)
     status = name.lower().replace("_", " ")
     return ProvenResult(
         point,
         claim,
-        bound=math.inf if claim is Claim.INFEASIBLE else float(model.ObjBound),
+        bound=bound,
         nodes=int(model.NodeCount),
         iterations=int(model.IterCount),
         status=status,
@@ -120,7 +129,10 @@ def run_gurobi(
 
 
 def xpress(settings: Settings) -> MinlpCall:
-    """Xpress' global solver with MIPRELSTOP and FEASTOL; `lean` changes nothing."""
+    """Xpress' global solver with MIPRELSTOP and FEASTOL.
+
+    `lean` changes nothing.
+    """
 
     def run(program: MixedProgram, seconds: float) -> ProvenResult:
         library = xpress_library()
@@ -146,7 +158,10 @@ XPRESS_CLAIMS = {
 
 @cache
 def xpress_library() -> Any:
-    """The module. Where Pyomo is loaded, it then asks Xpress for its version in an outdated way."""
+    """The module of Xpress.
+
+    Where Pyomo is loaded, it then asks Xpress for its version in an outdated way.
+    """
     # recorded, since Xpress changes the filters of warnings while it is imported
     with warnings.catch_warnings(record=True):
         return import_module("xpress")
@@ -154,7 +169,10 @@ def xpress_library() -> Any:
 
 @cache
 def start_xpress() -> None:
-    """Read the licence, once a process and without the warning that it is the one in the wheel."""
+    """Read the licence once a process.
+
+    The warning that it is the one in the wheel is left out.
+    """
     library = xpress_library()
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", library.LicenseWarning)
@@ -164,7 +182,10 @@ def start_xpress() -> None:
 def run_xpress(
     library: Any, program: MixedProgram, settings: Settings, seconds: float
 ) -> ProvenResult:
-    """Write the program into a new problem, and solve it."""
+    """Write the program into a problem; solve it.
+
+    The problem is new.
+    """
     problem = library.problem()
     problem.controls.outputlog = 0
     kinds = library.continuous, library.binary
@@ -216,7 +237,7 @@ def run_xpress(
 
 
 def failed(status: str, message: str) -> ProvenResult:
-    """The end of a run that an error of the library has ended."""
+    """The end of a run after a library's error."""
     return ProvenResult(None, Claim.FAILED, -math.inf, None, None, status, message)
 
 
@@ -229,7 +250,10 @@ PACKAGES = ("gurobipy", "xpress")
 
 @dataclass(frozen=True)
 class GlobalNlp(global_nlp.GlobalNlp):
-    """Model (4.12) by Gurobi or Xpress; the other settings are those of `global-nlp`."""
+    """Model (4.12) by Gurobi or Xpress.
+
+    The other settings are those of `global-nlp`.
+    """
 
     engine: str = one_of("gurobi", ENGINES)
 
@@ -242,7 +266,10 @@ class GlobalNlp(global_nlp.GlobalNlp):
 
 @dataclass(frozen=True)
 class Disjunctive(disjunctive.Disjunctive):
-    """The disjunction of words by Gurobi or Xpress; other settings are those of `disjunctive`."""
+    """The disjunction of words by Gurobi or Xpress.
+
+    The other settings are those of `disjunctive`.
+    """
 
     engine: str = one_of("gurobi", ENGINES)
 
@@ -255,10 +282,12 @@ class Disjunctive(disjunctive.Disjunctive):
 
 @dataclass(frozen=True)
 class HeadingMilp(grid.HeadingMilp):
-    """Headings on a grid by Gurobi or Xpress; the other settings are those of `heading-milp`.
+    """Headings on a grid by Gurobi or Xpress.
 
-    The licences in the wheels end at 2 000 and at 5 000 variables, which 40 headings a point reach
-    with two legs, and 20 with six or thirteen.
+    The other settings are those of `heading-milp`.
+
+    The licences in the wheels end at 2 000 and at 5 000 variables. 40 headings a point reach these
+    limits with two legs, and 20 with six or thirteen.
     """
 
     engine: str = one_of("gurobi", ENGINES)

@@ -1,4 +1,7 @@
-"""A small report with every kind of section, which the browser's tests share."""
+"""A small report with every kind of section.
+
+The browser's tests share it.
+"""
 
 from collections.abc import Iterator
 from pathlib import Path as FilePath
@@ -27,7 +30,10 @@ _STRATA = {
 
 
 class Method(NamedTuple):
-    """One made-up solver: every `wrong`-th answer misses (0: none), each a time (s)."""
+    """One made-up solver and its errors.
+
+    Every `wrong`-th answer misses (0: none); each takes a time (s).
+    """
 
     solver: str
     formulation: str
@@ -58,7 +64,10 @@ METHODS = (
 
 
 def benchmark_rows() -> Iterator[dict[str, Any]]:
-    """Rows as the benchmark's: sixteen scenarios in four strata, nine methods."""
+    """Rows like the benchmark's.
+
+    Sixteen scenarios in four strata, asked of nine methods.
+    """
     number = 0
     for stratum, targets in _STRATA.items():
         for x, y in targets:
@@ -85,7 +94,10 @@ def benchmark_rows() -> Iterator[dict[str, Any]]:
 
 
 def sweep_rows() -> Iterator[dict[str, Any]]:
-    """Problem 5 through its crossing, under a label from outside."""
+    """Rows of problem 5 through its crossing.
+
+    The label comes from outside.
+    """
     for radius in (20.0, 40.0, 55.0, 60.0, 80.0):
         scenario = Scenario(0, 0, 2.0943951023931953, -80, 20, radius, label=HOSTILE)
         for solver in ("analytic", "slsqp", HOSTILE, LONG):
@@ -93,7 +105,10 @@ def sweep_rows() -> Iterator[dict[str, Any]]:
 
 
 def paper_rows() -> Iterator[dict[str, Any]]:
-    """The paper's problems, by the closed form and by a solver."""
+    """The paper's problems by two solvers.
+
+    One is the closed form.
+    """
     for scenario in paper_scenarios():
         for branch in ("best", "LS", "RS"):
             yield attempt(scenario, branch=branch)
@@ -101,7 +116,10 @@ def paper_rows() -> Iterator[dict[str, Any]]:
 
 
 def small_report(place: FilePath) -> FilePath:
-    """Write the report of these rows below a folder; returns the path of its page."""
+    """Write the report of these rows below a folder.
+
+    Returns the path of its page.
+    """
     rows = {"benchmark": benchmark_rows(), "paper": paper_rows(), "radius-sweep": sweep_rows()}
     folders = [write_folder(place / name, name, each) for name, each in rows.items()]
     return render(folders, out=place / "report")

@@ -1,4 +1,7 @@
-"""A page in a real Chromium, what may not happen on it, and the explorer as a reader sees it."""
+"""A page in Chromium, and the explorer on it.
+
+A page may log no error and ask for nothing remote.
+"""
 
 from typing import Any
 
@@ -12,7 +15,10 @@ PHONE, DESK = {"width": 400, "height": 800}, {"width": 1280, "height": 900}
 
 
 class Tab:
-    """A page in the browser; `close` fails if it logged an error or asked for anything remote."""
+    """A page in the browser.
+
+    `close` fails if it logged an error or asked for anything remote.
+    """
 
     def __init__(self, browser: Browser, **options: Any) -> None:
         self.context: BrowserContext = browser.new_context(**options)
@@ -42,7 +48,10 @@ def scenario_in(page: Page) -> Scenario:
 
 
 def shown(page: Page) -> dict[str, dict[str, str]]:
-    """The table: branch -> cell -> text, and whether the row is marked as optimal."""
+    """The table of the explorer, by branch and cell.
+
+    Each row also says whether it is marked as optimal.
+    """
     rows = page.locator("tr[data-branch]").evaluate_all(
         """rows => rows.map(row => [row.dataset.branch, {
              optimal: String(row.classList.contains("optimal")),
@@ -57,7 +66,7 @@ def number(text: str) -> float:
 
 
 def centre(page: Page, name: str) -> tuple[float, float]:
-    """Where a handle is on the screen."""
+    """Position of a handle on the screen."""
     page.locator(".explorer-stage").scroll_into_view_if_needed()
     box = page.locator(f".handle.{name} .knob").bounding_box()
     return box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
@@ -73,7 +82,10 @@ def drag(page: Page, name: str, dx: float, dy: float) -> None:
 
 
 def agrees(page: Page) -> None:
-    """What the table says is what the package says of the scenario that is shown."""
+    """Check that the table agrees with the package.
+
+    Both answer the scenario that is shown.
+    """
     scenario = scenario_in(page)
     best = shortest(scenario)
     assert best is not None

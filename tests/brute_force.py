@@ -1,4 +1,4 @@
-"""The shortest path of a word by search, and the end of a path by an ODE integrator.
+"""Shortest paths by search, ends by an ODE integrator.
 
 No formula is shared with the package. A word is a family of paths with one free angle; the zeros
 of what is left over at its end are searched on a grid of that angle and bisected.
@@ -18,13 +18,19 @@ _GRID = np.linspace(0.0, 2 * math.pi, 4001)
 
 
 def words_by_search(X: float, Y: float) -> dict[str, float]:
-    """The least length of every word; infinite where it has no path to the target."""
+    """Least length of every word.
+
+    Infinite where a word has no path to the target.
+    """
     words = {"LS": _ending_straight(X, Y), "RS": _ending_straight(X, -Y)}
     return words | {"LR": _two_arcs(X, Y), "RL": _two_arcs(X, -Y)}
 
 
 def _ending_straight(X: float, Y: float) -> float:
-    """LS: the least over the arcs after which the target lies straight ahead."""
+    """Least length of LS.
+
+    The search is over the arcs after which the target lies straight ahead.
+    """
 
     def off(a: Array) -> Array:
         x, y = np.sin(a), 1 - np.cos(a)
@@ -39,7 +45,10 @@ def _ending_straight(X: float, Y: float) -> float:
 
 
 def _two_arcs(X: float, Y: float) -> float:
-    """LR: the least over the first arcs after which the target lies on the second circle."""
+    """Least length of LR.
+
+    The search is over the first arcs after which the target lies on the second circle.
+    """
 
     def off(a: Array) -> Array:
         return np.hypot(X - 2 * np.sin(a), Y - 1 + 2 * np.cos(a)) - 1
@@ -54,9 +63,9 @@ def _two_arcs(X: float, Y: float) -> float:
 
 
 def pose_words_by_search(X: float, Y: float, heading: float) -> dict[str, float]:
-    """The least length of each word to a pose; infinite where it has no path.
+    """Least length of each word to a pose.
 
-    The middle arc of RLR and LRL is pi or more.
+    Infinite where it has no path. The middle arc of RLR and LRL is pi or more.
     """
     left = {word: _to_pose(word, X, Y, heading) for word in ("LSL", "LSR", "LRL")}
     mirrored = str.maketrans("LR", "RL")
@@ -65,7 +74,10 @@ def pose_words_by_search(X: float, Y: float, heading: float) -> dict[str, float]
 
 
 def _to_pose(word: str, X: float, Y: float, heading: float) -> float:
-    """A word that begins with L: the least over the first arcs after which the rest fits."""
+    """Least length of a word that begins with L.
+
+    The search is over the first arcs after which the rest fits.
+    """
     last = 1 if word[2] == "L" else -1
     x, y = X - last * math.sin(heading), Y + last * math.cos(heading)  # the last circle's centre
 
@@ -83,8 +95,11 @@ def _to_pose(word: str, X: float, Y: float, heading: float) -> float:
                 continue
             rest = last * (heading - t) % (2 * math.pi)
         else:
-            x2, y2 = 2 * math.sin(t), 1 - 2 * math.cos(t)  # of the middle circle
-            begin, end = math.atan2(1 - y2, -x2), math.atan2(y - y2, x - x2)
+            # of the middle circle
+            x2 = 2 * math.sin(t)
+            y2 = 1 - 2 * math.cos(t)
+            begin = math.atan2(1 - y2, -x2)
+            end = math.atan2(y - y2, x - x2)
             middle = (begin - end) % (2 * math.pi)
             if middle < math.pi:
                 continue
@@ -94,7 +109,10 @@ def _to_pose(word: str, X: float, Y: float, heading: float) -> float:
 
 
 def _zeros(function: Callable[[Array], Array]) -> list[float]:
-    """Where a function of an angle in [0, 2 pi] changes its sign, bisected."""
+    """Zeros of a function of an angle, bisected.
+
+    They are changes of sign in [0, 2 pi].
+    """
     values = function(_GRID)
     at = np.flatnonzero(np.sign(values[:-1]) != np.sign(values[1:]))
     low, high = _GRID[at].copy(), _GRID[at + 1].copy()
@@ -107,7 +125,9 @@ def _zeros(function: Callable[[Array], Array]) -> list[float]:
 
 
 def integrated(path: Path, radius: float = 1.0) -> Array:
-    """End pose of a path: x' = cos, y' = sin, heading' = curvature, integrated at 1e-12.
+    """End pose of a path by integration at 1e-12.
+
+    The equations are x' = cos, y' = sin, heading' = curvature.
 
     In units of the radius, so that the integrator's tolerances mean the same everywhere.
     """

@@ -1,4 +1,7 @@
-"""Scenarios that many tests share, and hypothesis strategies that draw more."""
+"""Scenarios that many tests share.
+
+Hypothesis strategies draw more.
+"""
 
 import math
 from collections.abc import Iterable
@@ -13,6 +16,7 @@ from dubins_study.solvers.registry import load
 from dubins_study.study.arrays import FloatArray
 from dubins_study.study.body_coordinates import local
 from dubins_study.study.closed_form.shortest import margin_local
+from dubins_study.study.rows.schema import SCENARIO, names
 from dubins_study.study.scenario import COLUMNS, NUMBERS, Scenario
 from dubins_study.study.words import FROZEN
 
@@ -38,19 +42,22 @@ QUICK_ENGINES = (
 
 
 def margin(scenario: Scenario) -> float:
-    """Distance from the target to the nearer turning circle, in units of the radius."""
+    """Distance from target to nearer turning circle (radii)."""
     target = local(scenario)
     return margin_local(target.X, abs(target.Y))
 
 
 def engine_params(names: Iterable[str], quick: Iterable[str] = QUICK_ENGINES) -> list[Any]:
-    """Names as parameters of a test, those that are not quick marked as slow."""
+    """Names as test parameters; others than quick are slow."""
     chosen = frozenset(quick)
     return [pytest.param(name, marks=() if name in chosen else pytest.mark.slow) for name in names]
 
 
 def question_for(name: str, scenario: Scenario) -> tuple[Scenario, str, str]:
-    """Arguments of `solve` for the best path, or for a frozen problem if no path is answered."""
+    """Arguments of `solve` for the best path.
+
+    A solver that answers no paths gets a frozen problem.
+    """
     if load(name).branches == (FROZEN,):
         return FROZEN_ROUTE, name, FROZEN
     return scenario, name, "best"
@@ -76,7 +83,10 @@ EDGES = {
 
 @st.composite
 def scenarios(draw: st.DrawFn, far: float = 30.0) -> Scenario:
-    """Any pose and radius, and a target up to `far` radii away; half of them within 2.5 radii."""
+    """Any pose and radius, and a target nearby.
+
+    The target is up to `far` radii away; in half of the draws it is within 2.5 radii.
+    """
     number = st.floats(-100, 100)
     radius = 10 ** draw(st.floats(-3, 3))
     x, y, heading = draw(number), draw(number), draw(st.floats(-10, 10))
@@ -101,27 +111,42 @@ def placed(
     radius: float = 1.0,
     speed: float = 1.0,
 ) -> Scenario:
-    """A target at (X, Y) of the vehicle's frame (radii), computed in doubles as a user does."""
+    """A target at (X, Y) of the vehicle's frame.
+
+    X and Y are in radii. The target is computed in doubles as a user does.
+    """
     c, s = math.cos(heading), math.sin(heading)
     target = x + radius * (X * c - Y * s), y + radius * (X * s + Y * c)
     return Scenario(x, y, heading, *target, radius, speed)
 
 
+def scenario_row(scenario: Scenario) -> dict[str, Any]:
+    """Columns of a row that describe its scenario."""
+    return {name: getattr(scenario, name) for name in names(SCENARIO)}
+
+
 def scenario_frame(scenarios: Iterable[Scenario]) -> pd.DataFrame:
-    """One row a scenario, the columns of `COLUMNS` in that order."""
+    """One row per scenario, with the columns `COLUMNS`."""
     rows = list(scenarios)
     columns = {name: [getattr(row, name) for row in rows] for name in COLUMNS}
     return pd.DataFrame(columns).astype(dict.fromkeys(NUMBERS, float))
 
 
 def walked(length: FloatArray, direction: FloatArray) -> FloatArray:
-    """Points from the origin on, each a step of this length and direction (rad) from the last."""
+    """Points of a walk from the origin.
+
+    Each is a step of this length and direction (rad) from the last.
+    """
     steps = length[:, None] * np.stack([np.cos(direction), np.sin(direction)], axis=1)
     return np.vstack([[0.0, 0.0], np.cumsum(steps, axis=0)])
 
 
 def driven(pose: Triple, turn: Any, length: Any) -> Triple:
-    """The pose (x, y, heading) at the end of an arc of curvature `turn`, which may be 0; arrays."""
+    """The pose at the end of an arc.
+
+    A pose is (x, y, heading). The curvature `turn` may be 0. Arrays are allowed.
+    """
     x, y, heading = pose
-    middle, chord = heading + turn * length / 2, length * np.sinc(turn * length / (2 * math.pi))
+    middle = heading + turn * length / 2
+    chord = length * np.sinc(turn * length / (2 * math.pi))
     return x + chord * np.cos(middle), y + chord * np.sin(middle), heading + turn * length

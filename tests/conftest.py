@@ -1,4 +1,4 @@
-"""Two minutes by default; `--slow` runs the rest as well."""
+"""Two minutes of tests; `--slow` runs the rest."""
 
 import os
 import re
@@ -76,15 +76,18 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
             many[item.nodeid.partition("[")[0]].append(item)
     for alike in many.values():
         (few,) = alike[0].get_closest_marker("many").args
-        kept = {round(place * len(alike) / few) for place in range(few)}
+        places = {round(place * len(alike) / few) for place in range(few)}
         for place, item in enumerate(alike):
-            if place not in kept:
+            if place not in places:
                 item.add_marker(pytest.mark.skip(reason="one of many; run with --slow"))
 
 
 @pytest.hookimpl(optionalhook=True)
 def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
-    """Groups by the names of tests: the mark of pytest-xdist 3.8 is lost under pytest 9.2."""
+    """Group tests by their names.
+
+    The mark of pytest-xdist 3.8 is lost under pytest 9.2.
+    """
     if config.getoption("dist") != "loadgroup":
         return None
     from xdist.scheduler import LoadScopeScheduling
@@ -102,7 +105,10 @@ _ALONE = ("tests/adversary",)  # one file of long tests that share nothing
 
 
 def _group(nodeid: str) -> str:
-    """What stays in one worker: the tests of one shared run, else of one file, or one test."""
+    """Name of the tests that stay in one worker.
+
+    They are the tests of one shared run, else of one file, or one test.
+    """
     file, _, test = nodeid.partition("::")
     if file.startswith(_ALONE):
         return nodeid

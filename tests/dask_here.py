@@ -1,4 +1,7 @@
-"""Dask on this machine, for tests: experiments small enough for it, schedulers and workers."""
+"""Dask on this machine, for tests.
+
+It starts schedulers and workers, and has experiments small enough for them.
+"""
 
 import json
 import os
@@ -33,7 +36,10 @@ def family(pid: int) -> list[psutil.Process]:
 
 
 def gone(pids: list[int]) -> bool:
-    """Whether none of some processes is alive; one that only waits to be reaped is not."""
+    """Whether all of some processes have ended.
+
+    A process that only waits to be reaped has ended.
+    """
     for pid in pids:
         with suppress(psutil.NoSuchProcess):
             if psutil.Process(pid).status() != psutil.STATUS_ZOMBIE:
@@ -42,13 +48,13 @@ def gone(pids: list[int]) -> bool:
 
 
 def asked_of(address: str, experiment: str, out: Path, **options: Any) -> Path:
-    """The folder of a run on the workers of a scheduler."""
+    """Folder of a run on a scheduler's workers."""
     return run(experiment, out, executor="dask", scheduler=address, **options)
 
 
 @contextmanager
 def scheduler(folder: Path, *options: str, **environment: str) -> Iterator[str]:
-    """A scheduler started as its own users do; its address."""
+    """Start a scheduler as users do; its address."""
     file = folder / "scheduler.json"
     arguments = ("--host", "127.0.0.1", "--port", "0", "--no-dashboard", "--scheduler-file")
     with _running(
@@ -61,7 +67,10 @@ def scheduler(folder: Path, *options: str, **environment: str) -> Iterator[str]:
 
 @contextmanager
 def worker(address: str, *options: str, **environment: str) -> Iterator[subprocess.Popen[str]]:
-    """A worker started as its own users do: a nanny and its process."""
+    """Start a worker as users do.
+
+    It is a nanny and its process.
+    """
     arguments = (address, "--host", "127.0.0.1", "--no-dashboard", *options)
     with _running("distributed.cli.dask_worker", *arguments, **environment) as process:
         yield process

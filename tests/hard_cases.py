@@ -1,4 +1,7 @@
-"""Frames of scenarios in every region, with the edges of each drawn on purpose."""
+"""Frames of scenarios in every region.
+
+The edges of each region are drawn on purpose.
+"""
 
 import math
 from collections.abc import Iterable
@@ -11,7 +14,10 @@ from tests.cases import driven, placed, scenario_frame
 
 
 def hard_frame(n: int, seed: int = 0) -> pd.DataFrame:
-    """n scenarios, a sixth of each kind: see `_target`. Radii from 1e-6 to 1e6."""
+    """n scenarios, a sixth of each kind.
+
+    See `_target`. Radii are from 1e-6 to 1e6.
+    """
     rng = np.random.default_rng(seed)
     return scenario_frame(_scenario(rng, row) for row in range(n))
 
@@ -29,7 +35,7 @@ def _scenario(rng: np.random.Generator, row: int) -> Scenario:
 
 
 def _target(rng: np.random.Generator, kind: int) -> tuple[float, float]:
-    """A target in units of the radius, X forward and Y to the left."""
+    """A target in radii, X forward, Y left."""
     sign = rng.choice([-1, 1], 2)
     if kind == 0:  # in and about the discs
         return tuple(rng.uniform(-3, 3, 2))
@@ -50,9 +56,10 @@ def _target(rng: np.random.Generator, kind: int) -> tuple[float, float]:
 
 
 def hard_poses(n: int, seed: int = 0) -> pd.DataFrame:
-    """n legs with a final heading, at the ends of driven paths whose segments are edges or random.
+    """n legs with a final heading, edges and random.
 
-    Two thirds are then moved by 1e-16 to 1e-2 radii. Columns: those of `PoseArrays`.
+    They are the ends of driven paths whose segments are edges or random. Two thirds are then moved
+    by 1e-16 to 1e-2 radii. Columns: those of `PoseArrays`.
     """
     rng = np.random.default_rng(seed)
     return pd.DataFrame([_hard_pose(rng, row) for row in range(n)])
@@ -77,7 +84,8 @@ def _hard_pose(rng: np.random.Generator, row: int) -> dict[str, float]:
         x, y, heading = np.array([x, y, heading]) + rng.choice([-1, 0, 1], 3) * 10 ** rng.uniform(
             -16, -2, 3
         )
-    R, start = 10 ** rng.uniform(-3, 3), rng.uniform(-math.pi, math.pi) * (row % 5 > 0)
+    R = 10 ** rng.uniform(-3, 3)
+    start = rng.uniform(-math.pi, math.pi) * (row % 5 > 0)
     x0, y0 = rng.uniform(-5, 5, 2) * R * (row % 2)
     leg = placed(x, y, x0, y0, start, R)
     fields = ("x", "y", "heading", "target_x", "target_y", "radius")
@@ -85,6 +93,6 @@ def _hard_pose(rng: np.random.Generator, row: int) -> dict[str, float]:
 
 
 def poses_of(row: Iterable[float]) -> tuple[Pose, Pose, float]:
-    """Both poses and the radius of a row of `hard_poses`."""
+    """Both poses and radius of a `hard_poses` row."""
     x, y, heading, target_x, target_y, radius, final = map(float, row)
     return Pose(x, y, heading), Pose(target_x, target_y, final), radius

@@ -1,4 +1,7 @@
-"""Runs of `dubins-study` in processes of their own, which tests wait for, kill and look at."""
+"""Runs of `dubins-study` in their own processes.
+
+Tests wait for them, kill them and look at them.
+"""
 
 import json
 import os
@@ -45,7 +48,10 @@ target_y = 3
 
 
 def slow_experiment(folder: Path, nap: float = 0.1, count: int = 30) -> Path:
-    """An experiment of one solver, to be trusted, that naps before each of its solves."""
+    """An experiment of one solver that naps.
+
+    The solver has to be trusted. It naps before each of its solves.
+    """
     (folder / "slow.py").write_text(SLOW.format(nap=nap))
     file = folder / "slow.toml"
     file.write_text(TARGETS.format(solver=f"{folder}/slow.py:Slow", count=count))
@@ -66,19 +72,25 @@ def command(*arguments: object) -> list[str]:
 def finished(
     *arguments: object, cwd: Path | None = None, **environment: str
 ) -> subprocess.CompletedProcess[str]:
-    """The command, run to its end; its output is text."""
+    """Run the command to its end.
+
+    Its output is text.
+    """
     return _run(command(*arguments), cwd, environment)
 
 
 def interpreted(
     program: str, cwd: Path | None = None, **environment: str
 ) -> subprocess.CompletedProcess[str]:
-    """A program in a new interpreter, run to its end; its output is text."""
+    """Run a program in a new interpreter.
+
+    It runs to its end; its output is text.
+    """
     return _run([sys.executable, "-c", program], cwd, environment)
 
 
 def output(done: subprocess.CompletedProcess[str]) -> str:
-    """What is printed by what must succeed."""
+    """Output of a command that must succeed."""
     assert done.returncode == 0, done.stdout + done.stderr
     return done.stdout
 
@@ -98,7 +110,10 @@ def _run(
 
 @contextmanager
 def started(*arguments: object, **environment: str) -> Iterator[subprocess.Popen[str]]:
-    """The command in a session of its own; whatever is left of it at the end is killed."""
+    """Start the command in a session of its own.
+
+    Whatever is left of it at the end is killed.
+    """
     mark, marking = marked()
     process = subprocess.Popen(
         command(*arguments),
@@ -128,5 +143,5 @@ def parts(folder: Path) -> list[Path]:
 
 
 def manifest(folder: Path) -> dict[str, object]:
-    found: dict[str, object] = json.loads((folder / "manifest.json").read_text())
-    return found
+    content: dict[str, object] = json.loads((folder / "manifest.json").read_text())
+    return content

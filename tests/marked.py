@@ -1,4 +1,6 @@
-"""Marks by which every process of a run is found, and ended, whatever became of the run itself.
+"""Marks that find every process of a run.
+
+Its processes are found and ended, whatever became of the run itself.
 
 A mark is an environment variable. A process shows the environment that it was started with for as
 long as it lives, whatever it does to its session, group, parent or `os.environ`.
@@ -15,38 +17,51 @@ _NAME = "TESTED_RUN"
 
 
 def marked() -> tuple[str, dict[str, str]]:
-    """A new mark, and the environment that a process and its descendants carry it in."""
+    """A new mark and its environment.
+
+    A process and its descendants carry the mark in that environment.
+    """
     mark = uuid4().hex
     return mark, {_NAME: mark}
 
 
 def alive(mark: str) -> list[psutil.Process]:
-    """The processes of a run that are still there; one that only waits to be reaped is not."""
-    found = []
+    """Processes of a run that are still there.
+
+    A process that only waits to be reaped is not.
+    """
+    processes = []
     for process in psutil.process_iter():
         try:
             if process.status() == psutil.STATUS_ZOMBIE:
                 continue
             if process.environ().get(_NAME) == mark:
-                found.append(process)
+                processes.append(process)
         except psutil.Error:
             continue
-    return found
+    return processes
 
 
 def left_behind(mark: str, within: float = 30.0) -> list[str]:
-    """What is alive of a run after its end, given a moment to go."""
+    """Processes alive after a run's end.
+
+    They are given a moment to go.
+    """
     give_up = time.monotonic() + within
-    while found := alive(mark):
+    while processes := alive(mark):
         if time.monotonic() > give_up:
             break
         time.sleep(0.02)
-    return [f"{process.pid} of {process.ppid()}: {process.cmdline()}" for process in found]
+    return [f"{process.pid} of {process.ppid()}: {process.cmdline()}" for process in processes]
 
 
 def wait_until_handled(pid: int, number: signal.Signals, seconds: float = 60.0) -> None:
-    """Wait until a process has taken a signal and waits again: two at once would count as one."""
-    fields, give_up = {}, time.monotonic() + seconds
+    """Wait until a process has handled a signal.
+
+    Two signals at once would count as one.
+    """
+    fields = {}
+    give_up = time.monotonic() + seconds
     while time.monotonic() < give_up:
         time.sleep(
             0.3
@@ -64,10 +79,10 @@ def wait_until_handled(pid: int, number: signal.Signals, seconds: float = 60.0) 
 def kill_all(mark: str) -> None:
     """SIGKILL every process of a run."""
     for _ in range(50):
-        found = alive(mark)
-        if not found:
+        processes = alive(mark)
+        if not processes:
             return
-        for process in found:
+        for process in processes:
             try:
                 process.send_signal(signal.SIGKILL)
             except psutil.Error:

@@ -1,4 +1,6 @@
-"""The three harnesses, each run over a number of cells in a folder of its own.
+"""The three harnesses, run over some cells.
+
+Each runs in a folder of its own.
 
 `python -m benchmarks.overhead.harnesses NAME CELLS FOLDER` runs one and prints the seconds of the
 run and, of these, the solver's own, in which no harness has a part. Imports come before.
@@ -34,7 +36,10 @@ radius = 1
 
 
 class Spent(NamedTuple):
-    """Seconds of a whole run, and those of them that the harness says the solver took."""
+    """Seconds of a run, and of its solver.
+
+    The solver's seconds are those that the harness says.
+    """
 
     whole: float
     solver: float
@@ -69,7 +74,10 @@ def ours(cells: int, folder: FilePath) -> Spent:
 
 
 def in_process(cells: int, folder: FilePath) -> Spent:
-    """The same cells without a worker process: check, certificate, rows and one part."""
+    """The same cells without a worker process.
+
+    What remains is check, certificate, rows and one part.
+    """
     from dubins_study.asking.reply import ask
     from dubins_study.experiments.executors.local import row_of
     from dubins_study.experiments.plan.run_plan import Request, RunSettings, plan_run
@@ -80,7 +88,8 @@ def in_process(cells: int, folder: FilePath) -> Spent:
     file = _experiment(cells, folder)
     began = perf_counter()
     groups = plan_run(Request(file, solvers=[_SOLVER])).chains
-    solver, shared = load(_SOLVER), RunSettings("in-process", 60.0)
+    solver = load(_SOLVER)
+    shared = RunSettings("in-process", 60.0)
     answers = [ask(solver, group[0].question()) for group in groups]
     rows = [
         row_of(group[0], group[0].question(), shared, a)
@@ -93,7 +102,10 @@ def in_process(cells: int, folder: FilePath) -> Spent:
 
 
 def benchopt(cells: int, folder: FilePath) -> Spent:
-    """benchopt's own runner: one job, no cache, each solver run once, no plots."""
+    """benchopt's own runner.
+
+    It has one job and no cache, runs each solver once, and draws no plots.
+    """
     os.environ["OVERHEAD_CELLS"] = str(cells)
     import pandas as pd
     from benchopt import run_benchmark
@@ -116,7 +128,10 @@ def benchopt(cells: int, folder: FilePath) -> Spent:
 
 
 def qpbenchmark(cells: int, folder: FilePath) -> Spent:
-    """qpbenchmark's own runner, on quadratic programs whose solution is where the path ends."""
+    """qpbenchmark's own runner on quadratic programs.
+
+    Their solution is where the path ends.
+    """
     from qpbenchmark.results import Results
     from qpbenchmark.run import run
 

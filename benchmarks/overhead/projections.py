@@ -1,4 +1,7 @@
-"""qpbenchmark's side: the point nearest to a target, one quadratic program a cell."""
+"""qpbenchmark's side: quadratic programs.
+
+Each cell is one program: the point nearest to a target.
+"""
 
 from __future__ import annotations
 
@@ -17,7 +20,8 @@ from benchmarks.overhead.trivial import TARGET_Y, question, solved, targets
 def _solve(problem: Problem, **_: object) -> qpsolvers.Solution:
     path = solved(question(-float(problem.q[0])))
     solution = qpsolvers.Solution(problem)
-    solution.found, solution.x = True, np.array(path.end[:2])
+    solution.found = True
+    solution.x = np.array(path.end[:2])
     solution.y = solution.z = solution.z_box = np.empty(0)
     return solution
 
@@ -29,7 +33,10 @@ SolverSettings.IMPLEMENTED_SOLVERS.add("trivial")
 
 
 class Projections(TestSet):
-    """min |z|^2 / 2 - target . z over the plane, for every target."""
+    """Quadratic programs: the nearest point to each target.
+
+    Each minimises |z|^2 / 2 - target . z over the plane.
+    """
 
     description = title = "projections"
     sparse_only = False

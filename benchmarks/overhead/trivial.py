@@ -1,4 +1,7 @@
-"""The solver that all harnesses run: it knows the answer, so that what they add is what is seen."""
+"""The solver that all harnesses run.
+
+It knows the answer, so that only what the harnesses add is seen.
+"""
 
 from __future__ import annotations
 
@@ -8,16 +11,22 @@ from dubins_study.study.path import Path
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.words import BRANCHES, Claim
 
-HEADING, TARGET_Y, FIRST, LAST = 0.3, 3.0, 2.0, 10.0
+HEADING = 0.3
+TARGET_Y = 3.0
+FIRST = 2.0
+LAST = 10.0
 
 
 def question(target_x: float) -> Scenario:
-    """One of the scenarios asked, which differ in where the target lies."""
+    """One scenario of those asked.
+
+    They differ in where the target lies.
+    """
     return Scenario(0.0, 0.0, HEADING, target_x, TARGET_Y, 1.0)
 
 
 def targets(cells: int) -> list[float]:
-    """Where the targets of so many cells lie, evenly spaced."""
+    """Positions of so many targets, evenly spaced."""
     return [FIRST + (LAST - FIRST) * i / (cells - 1) for i in range(cells)]
 
 

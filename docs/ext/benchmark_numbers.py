@@ -1,4 +1,7 @@
-"""Numbers of the committed benchmark, counted at build time by the functions of the report."""
+"""Numbers of the committed benchmark.
+
+They are counted at build time by the functions of the report.
+"""
 
 from __future__ import annotations
 
@@ -33,7 +36,7 @@ def _results() -> Results:
 
 @cache
 def _methods() -> pd.DataFrame:
-    """One row per method that was asked questions with a path."""
+    """One row per method that was asked solvable questions."""
     methods = solver_summary(_results().attempts)
     return methods[methods["right_of"] > 0].reset_index(drop=True)
 
@@ -51,24 +54,31 @@ def _of(key: str, value: str) -> pd.DataFrame:
 
 
 def formulation(name: str) -> str:
-    """The engines of a formulation, each with its most reliable guess and settings."""
+    """The engines of a formulation.
+
+    Each has its most reliable guess and settings.
+    """
     best = best_methods(_of("formulation", name), ["engine"])
     return _share_table(best.sort_values("right_low", ascending=False, kind="stable"))
 
 
 def family(kind: str) -> str:
-    """Engines of a family by the formulations that they were asked: share right, median time."""
+    """Engines of a family by formulation.
+
+    Each has its share of right answers and its median time.
+    """
     entries = [entry for folder in _results().folders for entry in folder.manifest.matrix]
     cells = matrix(_methods(), entries)
     chosen = cells[(cells["kind"] == kind) & cells["filled"]]
     if chosen.empty:
         raise LookupError(f"no rows; choose one of: {', '.join(sorted(set(cells['kind'])))}")
     formulations = [name for name in FORMULATIONS if name in set(chosen["formulation"])]
-    text = {
-        (row["engine"], row["formulation"]): f"{percent(row['right_share'])} %"
-        f"{'*' if row['few'] else ''}, {_three(1e3 * row['wall_s'])} ms"
-        for row in chosen.to_dict("records")
-    }
+    text = {}
+    for row in chosen.to_dict("records"):
+        star = "*" if row["few"] else ""
+        share = f"{percent(row['right_share'])} %{star}"
+        milliseconds = _three(1e3 * row["wall_s"])
+        text[row["engine"], row["formulation"]] = f"{share}, {milliseconds} ms"
     engines = list(dict.fromkeys(chosen["engine"]))
     rows = [[e, *(prose(text.get((e, name), "–")) for name in formulations)] for e in engines]
     return table(("engine", *formulations), rows)
@@ -92,8 +102,12 @@ def _share_table(methods: pd.DataFrame) -> str:
 
 
 def formulations() -> str:
-    """The best-supported method of each formulation, and the spread of its engines."""
-    rows, measured = [], set(_methods()["formulation"])
+    """The best-supported method of each formulation.
+
+    The spread of its engines stands beside it.
+    """
+    rows = []
+    measured = set(_methods()["formulation"])
     for name in filter(measured.__contains__, FORMULATIONS):
         engines = best_methods(_of("formulation", name), ["engine"])
         best = best_methods(engines, ["formulation"]).to_dict("records")[0]
@@ -122,7 +136,10 @@ def formulations() -> str:
 
 
 def by_stratum(name: str) -> str:
-    """Where a formulation fails: right answers of its most reliable method, stratum by stratum."""
+    """Right answers of a formulation, by stratum.
+
+    They are those of its most reliable method, and show where the formulation fails.
+    """
     methods = best_methods(_of("formulation", name), ["formulation"])
     best = methods.to_dict("records")[0]
     shares = _strata()[_strata()["solver"] == best["solver"]]
@@ -146,11 +163,14 @@ def _evidence() -> Evidence:
 
 
 def finding(name: str) -> str:
-    """One sentence of the page's findings, by the name of the function that computes it."""
-    found = getattr(findings, name)(_evidence())
-    if found is None:
+    """One sentence of the page's findings.
+
+    It is named by the function that computes it.
+    """
+    result = getattr(findings, name)(_evidence())
+    if result is None:
         raise LookupError("the rows do not carry this finding any more; drop it from the page")
-    return prose(found.sentence)
+    return prose(result.sentence)
 
 
 @cache
@@ -168,7 +188,10 @@ def all_findings() -> str:
 
 
 def decision() -> str:
-    """Where engines err and where they stop, formulation by formulation."""
+    """Where engines err and where they stop.
+
+    One line per formulation.
+    """
     section = decision_section(_whole())
     if section is None or not section.blocks:
         raise LookupError("the rows of the benchmark carry no table of formulations")

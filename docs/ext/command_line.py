@@ -1,4 +1,4 @@
-"""The help of every command, as the terminal shows it."""
+"""Help of every command, as in the terminal."""
 
 from __future__ import annotations
 
@@ -13,12 +13,15 @@ _WIDTH = 92
 
 
 def commands() -> dict[str, str]:
-    """`solve`, `new solver`, ... -> the text of its `--help`."""
+    """Text of `--help` of each command.
+
+    Keys are `solve`, `new solver`, ...
+    """
     return dict(_helps(typer.main.get_command(app), None, "dubins-study"))
 
 
 def _helps(command: Any, parent: Any, path: str) -> Iterator[tuple[str, str]]:
-    """The helps of a command, or of all commands of a group."""
+    """Helps of a command or of a group's commands."""
     sizes = {"terminal_width": _WIDTH, "max_content_width": _WIDTH}
     context = command.context_class(command, parent=parent, info_name=path.split()[-1], **sizes)
     if not hasattr(command, "list_commands"):
@@ -31,7 +34,7 @@ def _helps(command: Any, parent: Any, path: str) -> Iterator[tuple[str, str]]:
 
 
 def command_help(name: str) -> str:
-    """The help of one command as a block of text."""
+    """Help of one command as a text block."""
     return f"```text\n{commands()[name]}\n```"
 
 

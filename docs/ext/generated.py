@@ -1,4 +1,6 @@
-"""The directive `generated`: Markdown that is computed at build time, never typed by hand.
+"""The directive `generated`: Markdown that is computed.
+
+It is computed at build time, never typed by hand.
 
     ```{generated} settings nlp
     What readers of the file itself see in its place.
@@ -29,9 +31,10 @@ SOURCES = (
 
 
 class Generated(SphinxDirective):
-    """What one function of `SOURCES` writes, read as Markdown of the page."""
+    """Markdown of one function of `SOURCES`."""
 
-    required_arguments, has_content = 1, True
+    required_arguments = 1
+    has_content = True
     final_argument_whitespace = True
 
     def run(self) -> list[nodes.Node]:

@@ -1,4 +1,7 @@
-"""Markdown of any text: tables, inline code, prose from docstrings."""
+"""Markdown of any text.
+
+It makes tables, inline code, and prose from docstrings.
+"""
 
 from __future__ import annotations
 
@@ -20,12 +23,15 @@ def _line(cells: Sequence[str]) -> str:
 
 
 def code(text: object) -> str:
-    """A text as inline code; a dash for an empty one."""
+    """Inline code; a dash for an empty text."""
     return f"`{text}`" if str(text) else "–"
 
 
 def prose(text: str) -> str:
-    """A text of a docstring as Markdown: its inline code stays, nothing else is markup."""
+    """A docstring's text as Markdown.
+
+    Its inline code stays; nothing else is markup.
+    """
     parts = " ".join(text.split()).split("`")
     parts[::2] = [_MARKUP.sub(r"\\\1", part) for part in parts[::2]]
     return "`".join(parts)

@@ -1,4 +1,7 @@
-"""Formulas as MathML, which browsers draw themselves: no script, no font, no other host."""
+"""Formulas as MathML, which browsers draw themselves.
+
+They need no script, no font and no other host.
+"""
 
 from __future__ import annotations
 
@@ -29,7 +32,10 @@ _NUMBER = re.compile(r".*?eq-(\d+)$")
 
 
 def mathml(latex: str, display: str, place: Any = None) -> str:
-    """LaTeX as MathML; a command that is not understood is a warning, which ends a strict build."""
+    """LaTeX as MathML.
+
+    A command that is not understood is a warning, which ends a strict build.
+    """
     for spelling, known in _SPELLINGS:
         latex = latex.replace(spelling, known)
     markup: str = convert(latex, display=display)
@@ -46,7 +52,10 @@ def visit_inline(translator: HTML5Translator, node: nodes.math) -> None:
 
 
 def visit_block(translator: HTML5Translator, node: nodes.math_block) -> None:
-    """Write a formula of its own, with its number if it has one."""
+    """Write a formula with its number, if any.
+
+    It stands in a line of its own.
+    """
     label = node.get("label") or ""
     number = _NUMBER.fullmatch(label)
     anchor = f' id="{label}"' if label else ""

@@ -1,4 +1,7 @@
-"""Pages of the report beside the site's: the explorer, and that of the committed benchmark."""
+"""Pages of the report beside the site's.
+
+They are the explorer, and the report of the committed benchmark.
+"""
 
 from __future__ import annotations
 
@@ -17,7 +20,7 @@ _BENCHMARK = "benchmark"
 
 
 def write(app: Sphinx, error: Exception | None) -> None:
-    """Write them into the site, once all pages are there."""
+    """Write the pages once the site is complete."""
     if error is None and app.builder.format == "html":
         write_explorer(Path(app.outdir) / _EXPLORER)
         rows = Path(__file__).parents[2] / "results" / "benchmark"

@@ -1,4 +1,7 @@
-"""What the package says of itself: solvers and their settings, columns, experiments."""
+"""Tables of the package's solvers, columns and experiments.
+
+Settings of the solvers are there too.
+"""
 
 from __future__ import annotations
 
@@ -37,18 +40,24 @@ _ENGINE_KINDS = {
 
 
 def solver_names() -> list[str]:
-    """The solvers of this package, in the order of `dubins-study solvers`."""
+    """The package's solvers, in the order of `solvers`.
+
+    The command is `dubins-study solvers`.
+    """
     return [name for name in registered() if ours(name)]
 
 
 def settings_table(argument: str) -> str:
-    """Every setting of a solver: its default, what the profiles change, and what it means.
+    """Every setting of a solver.
 
-    `ipopt without nlp`: those of one solver that another one lacks or begins otherwise.
+    A row has its default, what the profiles change, and what it means. `ipopt without nlp` has
+    those of one solver that another one lacks or begins otherwise.
     """
     spec, _, other = argument.partition(" without ")
-    solver, shared = load(spec), settings(load(other)) if other else {}
-    meanings, profiles = setting_meanings(type(solver)), type(solver).profiles
+    solver = load(spec)
+    shared = settings(load(other)) if other else {}
+    meanings = setting_meanings(type(solver))
+    profiles = type(solver).profiles
     rows = []
     for name, value in settings(solver).items():
         if name in shared and shared[name] == value:
@@ -63,7 +72,10 @@ def settings_table(argument: str) -> str:
 
 
 def setting_meanings(kind: type[Solver]) -> dict[str, str]:
-    """Setting -> what the docstrings of the class and of those that it extends say of it."""
+    """Meaning of each setting, from the docstrings.
+
+    They are those of the class and of the classes that it extends.
+    """
     meanings: dict[str, str] = {}
     for ancestor in reversed(kind.__mro__):
         if issubclass(ancestor, Solver) and ancestor is not Solver:
@@ -74,7 +86,10 @@ def setting_meanings(kind: type[Solver]) -> dict[str, str]:
 
 
 def solvers_table() -> str:
-    """Every solver of the package: formulation, engine by default, promise, branches."""
+    """Every solver of the package.
+
+    A row has formulation, default engine, promise and branches.
+    """
     rows = []
     for name in solver_names():
         solver = load(name)
@@ -95,7 +110,7 @@ def columns_table(part: str) -> str:
 
 
 def profiles_table() -> str:
-    """What each profile allows of an answer that is called optimal."""
+    """Tolerances of each profile for an optimal answer."""
     rows = [
         (code(name), f"{t.gap:g}", f"{t.miss:g} R", f"{t.curvature:g} / R")
         for name, t in PROFILES.items()
@@ -104,7 +119,10 @@ def profiles_table() -> str:
 
 
 def experiments_table() -> str:
-    """The experiments that `run` knows by name, each with its question."""
+    """Experiments that `run` knows by name.
+
+    Each has its question.
+    """
     rows = []
     for name in packaged():
         experiment = read(name).experiment
@@ -113,16 +131,23 @@ def experiments_table() -> str:
 
 
 def engine_names(kind: str) -> str:
-    """The names that the setting `engine` takes, each with the engine's own name."""
+    """Names that the setting `engine` takes.
+
+    Each has the engine's own name.
+    """
     engines = [f"{code(name)} ({prose(ENGINES[name].label)})" for name in _ENGINE_KINDS[kind]]
     return f"Names of engines: {', '.join(engines)}."
 
 
 def options_table(kind: str) -> str:
-    """Of engines of a kind, each option that differs from the makers' default, in which set."""
+    """Engine options that differ from the makers' defaults.
+
+    A row says in which set they do; the table is of engines of one kind.
+    """
     rows = []
     for name in _ENGINE_KINDS[kind]:
-        options, why = ENGINES[name].options, ENGINES[name].options.why
+        options = ENGINES[name].options
+        why = ENGINES[name].options.why
         equal = {k: v for k, v in options.of("equal").items() if options.always.get(k) != v}
         sets = {
             "every": (options.always, f"{why[:1].upper()}{why[1:]}."),
@@ -139,7 +164,10 @@ def options_table(kind: str) -> str:
 
 
 def statuses_table() -> str:
-    """What each engine's own statuses claim; all others are `failed`."""
+    """Claim of each engine's own statuses.
+
+    All other statuses are `failed`.
+    """
     claims = [Claim.OPTIMAL, Claim.LOCAL, Claim.FEASIBLE, Claim.INFEASIBLE, Claim.LIMIT]
     rows = []
     for engine, statuses in STATUSES.items():

@@ -1,4 +1,7 @@
-"""The paper: how it is cited, and what became of its printed numbers."""
+"""The paper: its citation and its printed numbers.
+
+The numbers are shown with what became of them.
+"""
 
 from __future__ import annotations
 
@@ -27,7 +30,10 @@ def citation() -> str:
 
 
 def audit_table() -> str:
-    """The printed numbers that are no correct roundings, recomputed now."""
+    """Printed numbers that are no correct roundings.
+
+    They are recomputed now.
+    """
     rows = [
         (
             cell["table"],

@@ -1,4 +1,7 @@
-"""Short names lead to their entries, and types are shown as the source writes them."""
+"""Links of short names, and types as written.
+
+Types are shown as the source writes them.
+"""
 
 from __future__ import annotations
 
@@ -34,7 +37,10 @@ _ELSEWHERE = {
 def resolve(
     app: Sphinx, env: BuildEnvironment, node: pending_xref, content: nodes.TextElement
 ) -> nodes.reference | None:
-    """The entry whose last part is the name that is asked for, if there is exactly one."""
+    """The entry whose last part is the name.
+
+    Types of others lead to their own pages. None unless there is exactly one entry.
+    """
     if node.get("refdomain") != "py":
         return None
     if address := _ELSEWHERE.get(node["reftarget"]):
@@ -51,7 +57,9 @@ def resolve(
 def as_written(
     app: Sphinx, what: str, name: str, obj: Any, options: Any, signature: str, returns: str
 ) -> tuple[str, str | None] | None:
-    """A signature with types as in the source: `ArrayLike`, not all that it stands for.
+    """A signature with types as in the source.
+
+    It says `ArrayLike`, not all that it stands for.
 
     A name for a kind of function is written out; of a record of a manifest the fields are named.
     """
@@ -77,7 +85,10 @@ def as_written(
 
 
 def setup(app: Sphinx) -> dict[str, Any]:
-    """Ask `resolve` for names that Sphinx does not find, `as_written` for every signature."""
+    """Register both functions with Sphinx.
+
+    `resolve` is asked for names that Sphinx does not find, `as_written` for every signature.
+    """
     app.connect("missing-reference", resolve)
     app.connect("autodoc-process-signature", as_written)
     return {"parallel_read_safe": True}

@@ -1,4 +1,6 @@
-"""The keys of an experiment's TOML file, from the models that check it: tables, and a JSON schema.
+"""The keys of an experiment's TOML file.
+
+Tables and a JSON schema come from the models that check the file.
 
 Called as a program, it prints the schema for `experiment.schema.json` in the package.
 """
@@ -35,7 +37,10 @@ def json_schema() -> dict[str, Any]:
 
 
 def _standard(schema: Any) -> Any:
-    """The schema with its keys by their standard names, in all its parts."""
+    """The schema with standard names of its keys.
+
+    They are renamed in all its parts.
+    """
     if isinstance(schema, list):
         return [_standard(part) for part in schema]
     if not isinstance(schema, dict):
@@ -49,7 +54,10 @@ def schema_text() -> str:
 
 
 def toml_table(model: str) -> str:
-    """Every key of one table of the file: type, default, meaning."""
+    """Every key of one table of the file.
+
+    A row has type, default and meaning.
+    """
     whole = json_schema()
     schema = whole if model == "Experiment" else whole["$defs"][model]
     needed = schema.get("required", [])
@@ -70,11 +78,13 @@ def _default(value: Any) -> str:
         return "–"
     if isinstance(value, list):
         return code(str(value).replace("'", '"'))
-    return code(str(value).lower() if isinstance(value, bool) else value)
+    if isinstance(value, bool):
+        return code(str(value).lower())
+    return code(value)
 
 
 def _kind(schema: dict[str, Any]) -> str:
-    """The values that a key takes, in a few words."""
+    """The values of a key, in few words."""
     if "anyOf" in schema:
         kinds = [_kind(one) for one in schema["anyOf"] if one.get("type") != "null"]
         if "table `Spaced`" in kinds:
@@ -105,7 +115,10 @@ def _bounds(schema: dict[str, Any]) -> str:
 
 
 def _plain(value: float) -> str:
-    """A number without an exponent, its digits in groups of three."""
+    """A number without an exponent.
+
+    Its digits are in groups of three.
+    """
     return f"{value:,.12g}".replace(",", " ")
 
 

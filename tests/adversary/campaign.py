@@ -1,8 +1,9 @@
-"""Attack the package with hard cases: `python -m tests.adversary.campaign 1000000 2000`.
+"""Attack the package with hard cases.
 
-Prints a table of what was tried and the first counterexample of each check as a line to paste
-(`from dubins_study import Scenario as S`, `Path`; `enclose`, `judge` and the others from the room
-`dubins_study.study`); exits with 1 if there is one.
+`python -m tests.adversary.campaign 1000000 2000` prints a table of the cases. It prints the first
+counterexample of each check as a line to paste, and then exits with 1. The line needs `from
+dubins_study import Scenario as S`, `Path`; `enclose`, `judge` and the others are from the room
+`dubins_study.study`.
 """
 
 import argparse
@@ -29,7 +30,7 @@ _WITH_POINTS = 25  # one case in so many is followed by a route or a leg with a 
 
 
 def run(seed: int, low: int, high: int) -> Table:
-    """The cases `low` to `high` - 1 of a seed."""
+    """Run a seed's cases from `low` below `high`."""
     warnings.filterwarnings("ignore", ".* more than a full turn", UserWarning)  # which is meant
     table = Table()
     cases = [case(seed, number) for number in range(low, high)]
@@ -49,7 +50,8 @@ def run(seed: int, low: int, high: int) -> Table:
         table.generator, asked = wrong_answer(rng, scenario)
         with ctx.workprec(bits(asked.scenario)):
             checks.answer(table, asked, Truth.of(asked.scenario), rng)
-        length, claim = asked.path.length, CLAIMS[number % len(CLAIMS)]
+        length = asked.path.length
+        claim = CLAIMS[number % len(CLAIMS)]
         bound = rng.choice([None, 1e9, np.inf, length, length * 0.9])
         answers.append(frames.judged(table.generator, *asked, claim, bound))
         answers.append(frames.judged("no path", scenario, "LS", None, claim))
@@ -67,7 +69,8 @@ def main() -> int:
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--workers", type=int, default=os.cpu_count() or 1)
     asked = parser.parse_args()
-    table, began = Table(), perf_counter()
+    table = Table()
+    began = perf_counter()
     work = ((run, asked.cases, BLOCK), (routes.run, asked.routes, _ROUTES))
     with ProcessPoolExecutor(asked.workers) as pool:
         blocks = [
@@ -81,8 +84,8 @@ def main() -> int:
                 spent = perf_counter() - began
                 message = f"{done} of {len(blocks)} blocks in {spent:.0f} s, {table.wrong:,} wrong"
                 print(message, *table.first.items(), sep="\n", file=sys.stderr, flush=True)
-    told = f"{asked.cases:,} cases, {asked.routes:,} routes, seed {asked.seed}"
-    print(f"{told}, {perf_counter() - began:.0f} s\n{table}")
+    summary = f"{asked.cases:,} cases, {asked.routes:,} routes, seed {asked.seed}"
+    print(f"{summary}, {perf_counter() - began:.0f} s\n{table}")
     return 1 if table.wrong else 0
 
 

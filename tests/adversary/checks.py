@@ -1,4 +1,7 @@
-"""One case checked beside the oracle, and the oracle beside other ways to its numbers."""
+"""Checks of one case against the oracle.
+
+The oracle itself is checked against other ways to its numbers.
+"""
 
 import math
 from collections.abc import Sequence
@@ -31,24 +34,34 @@ _SPREAD = 8  # how much wider than the sampled truth the whole truth may be
 
 
 def ulp(length: float, radius: float) -> float:
-    """2^-52 of max(length, radius), one ulp or two: the unit of every difference of lengths."""
+    """The unit of every difference of lengths.
+
+    It is 2^-52 of max(length, radius): one ulp or two.
+    """
     return max(math.ulp(0.0), _EPS * max(length, radius))
 
 
 def outside(value: arb, hulls: Sequence[tuple[arb, arb]]) -> arb:
-    """How far a number lies from the nearest of some intervals; infinite if there are none."""
+    """Distance of a number from the nearest interval.
+
+    Infinite if there are no intervals.
+    """
     apart = [greatest((low - value, value - high, arb(0))) for low, high in hulls]
     return least(apart) if apart else arb("inf")
 
 
 def closed_form(table: Table, scenario: Scenario, truth: Truth, rng: np.random.Generator) -> None:
-    """The scalar closed form of every branch: length, end and existence."""
+    """Check the scalar closed form of every branch.
+
+    Checked are its length, its end, and whether it has a path.
+    """
     # products of eps and a coordinate below 1e-292 have lost digits, and so has a tiny delta
     tiny = greatest((arb(1e-290) / arb(scenario.radius), arb(1e-300)))
     off = abs(arb(local(scenario).delta) - truth.delta) / greatest((truth.delta, tiny))
     table.note("delta", float(off) / _EPS, f"local({paste(scenario)}).delta")
     for branch in BRANCHES:
-        optimum, line = shortest(scenario, branch), paste(scenario, branch)
+        optimum = shortest(scenario, branch)
+        line = paste(scenario, branch)
         path = shortest_path(scenario, branch)
         if optimum is None or path is None:
             wrong = truth.exact[branch] is not None
@@ -77,14 +90,18 @@ def _deviation(
     end: acb,
     rng: np.random.Generator,
 ) -> float:
-    """By how many ulp a length leaves the truth; looks closer until the set explains it."""
+    """Difference of a length from the truth, in ulp.
+
+    The truth is refined until its set explains the length.
+    """
     radius = arb(scenario.radius)
-    unit, value = arb(ulp(length, scenario.radius)) / radius, arb(length) / radius
+    unit = arb(ulp(length, scenario.radius)) / radius
+    value = arb(length) / radius
     exact = truth.exact[branch]
     far = arb("inf") if exact is None else abs(value - exact)
     if not far <= 4 * unit and truth.has(end):
-        own = truth.member(end).lengths[branch]
-        far = far if own is None else least((far, abs(value - own)))
+        exact_length = truth.member(end).lengths[branch]
+        far = far if exact_length is None else least((far, abs(value - exact_length)))
     for refined in (False, True):
         if not far <= 4 * unit:
             if refined:
@@ -94,81 +111,95 @@ def _deviation(
 
 
 def enclosures(table: Table, scenario: Scenario, truth: Truth) -> dict[str, tuple[float, float]]:
-    """Every interval holds the truth of every sampled target, and little else.
+    """Check every interval against all sampled targets.
 
-    Returns the least and the greatest of the sampled lengths by branch, rounded inwards.
+    An interval has to hold the truth of each, and little else. Returns the least and the greatest
+    of the sampled lengths by branch, rounded inwards.
     """
     R = scenario.radius
     sampled = {}
     for branch in BRANCHES:
-        found, line = enclose(scenario, branch), f"enclose({paste(scenario, branch)})"
+        enclosure = enclose(scenario, branch)
+        line = f"enclose({paste(scenario, branch)})"
         known = (member.lengths[branch] for member in truth.members)
         values = [length * arb(R) for length in known if length is not None]
-        parts = [(arb(low), arb(high)) for low, high in found.parts]
+        parts = [(arb(low), arb(high)) for low, high in enclosure.parts]
         beyond = [v for v in values if not any(low <= v <= high for low, high in parts)]
         off = {float(v): float(outside(v, parts)) / ulp(float(v), R) for v in beyond}
         worst = max(off, key=off.__getitem__, default=0.0)
         table.note("parts hold truth", off.get(worst, 0.0), f"{line}.parts  # {worst!r}")
-        table.note("absent", _absent_wrong(truth, branch, found), f"{line}.absent")
-        undecided = bool(values) and not math.isfinite(found.high)
+        table.note("absent", _absent_wrong(truth, branch, enclosure), f"{line}.absent")
+        undecided = bool(values) and not math.isfinite(enclosure.high)
         table.note("enclosure decided", undecided, line)
         if not values:
             continue
         low, high = least(values), greatest(values)
         if not undecided and not truth.touches(branch, _SURE):
-            spread = float(high - low) + 4 * ulp(found.high, R)
-            table.note("enclosure width", (found.high - found.low) / spread, line)
+            spread = float(high - low) + 4 * ulp(enclosure.high, R)
+            table.note("enclosure width", (enclosure.high - enclosure.low) / spread, line)
         sampled[branch] = math.nextafter(float(low), math.inf), math.nextafter(float(high), 0.0)
     return sampled
 
 
-def _absent_wrong(truth: Truth, branch: str, found: Enclosure) -> bool:
-    """Whether `absent` denies a target without a path, or claims one where all have a path."""
+def _absent_wrong(truth: Truth, branch: str, enclosure: Enclosure) -> bool:
+    """Whether `absent` contradicts the truth.
+
+    It is wrong if it denies a target without a path, or claims one where all have a path.
+    """
     if truth.touches(branch):
-        return truth.absent(branch) and not found.absent
+        return truth.absent(branch) and not enclosure.absent
     if truth.touches(branch, _SURE):
         return False
-    return bool(found.absent) != (truth.exact[branch] is None)
+    return bool(enclosure.absent) != (truth.exact[branch] is None)
 
 
 def bounds(table: Table, scenario: Scenario, truth: Truth) -> None:
-    """A bound below the truth is not called false; one above the whole truth is."""
+    """Check that only false bounds are called false.
+
+    A bound below the truth is not called false. One above the whole truth is.
+    """
     path = shortest_path(scenario)
-    judged = judge(scenario, path)
+    judgement = judge(scenario, path)
     values = [each["best"] for _, each, _ in truth.members if each["best"] is not None]
     low, high = (float(end) * scenario.radius for end in (least(values), greatest(values)))
     scale = max(high, scenario.radius)
-    tried = {high - 1e-12 * scale: False}
+    cases = {high - 1e-12 * scale: False}
     if not truth.touches("best", _SURE):
-        tried[high + 4 * (high - low) + 1e-5 * scale] = True
-    for bound, is_false in tried.items():
-        wrong = certify(scenario, path, judged, lower_bound=bound).false_bound != is_false
+        cases[high + 4 * (high - low) + 1e-5 * scale] = True
+    for bound, is_false in cases.items():
+        wrong = certify(scenario, path, judgement, lower_bound=bound).false_bound != is_false
         table.note("bounds", wrong, f"solve({paste(scenario)})  # bound {bound!r}")
 
 
 def answer(table: Table, asked: Answer, truth: Truth, rng: np.random.Generator) -> None:
-    """Verdict, proof and certificate of any answer, beside its end and its length in 60 digits."""
+    """Check the verdict, proof and certificate of an answer.
+
+    Its end and its length are computed in 60 digits.
+    """
     scenario, branch, path = asked
-    judged = judge(scenario, path, branch=branch)
-    certificate = certify(scenario, path, judged, branch)
-    line = f"{paste_path(scenario, branch, path)}  # {judged.verdict}, {certificate.proof}"
-    residual, cut = certificate.pmp_residual, certificate.cut_margin
+    judgement = judge(scenario, path, branch=branch)
+    certificate = certify(scenario, path, judgement, branch)
+    line = f"{paste_path(scenario, branch, path)}  # {judgement.verdict}, {certificate.proof}"
+    residual = certificate.pmp_residual
+    cut = certificate.cut_margin
     if not drivable(path):
-        wrong = (judged.verdict, residual, cut) != (Verdict.MISSES, None, None)
+        wrong = (judgement.verdict, residual, cut) != (Verdict.MISSES, None, None)
         table.note("broken path", wrong, line)
         return
-    end, length = end_of(scenario, path), arb(path.length) / arb(scenario.radius)
+    end = end_of(scenario, path)
+    length = arb(path.length) / arb(scenario.radius)
     arrives = _arrives(asked, truth, end)
-    optimal = judged.verdict is Verdict.OPTIMAL
-    found = optimal or judged.verdict is Verdict.LONGER
+    optimal = judgement.verdict is Verdict.OPTIMAL
+    accepted = optimal or judgement.verdict is Verdict.LONGER
     if arrives is not None:
-        table.note("arrival", found != arrives, line)
+        table.note("arrival", accepted != arrives, line)
     below, right, wrong = _compared(truth, branch, length)
     if wrong and optimal:
         truth.refine(rng)
         below, right, wrong = _compared(truth, branch, length)
-    if found and below:
-        table.note("verdict", wrong if optimal else right, line)
+    if accepted and below:
+        is_wrong = wrong if optimal else right
+        table.note("verdict", is_wrong, line)
     is_proved = certificate.proof is Proof.PROVED
     table.note("proved", is_proved and (arrives is False or wrong), line)
     if residual is not None and cut is not None and residual <= 1e-7 and cut >= 1e-9:
@@ -178,7 +209,10 @@ def answer(table: Table, asked: Answer, truth: Truth, rng: np.random.Generator) 
 
 
 def _arrives(asked: Answer, truth: Truth, end: acb) -> bool | None:
-    """Whether a path is admissible and meets the target; None where rounding leaves that open."""
+    """Whether a path is admissible and meets the target.
+
+    None where rounding leaves that open.
+    """
     scenario, branch, path = asked
     R = scenario.radius
     if truth.exact[branch] is None:
@@ -197,7 +231,10 @@ def _arrives(asked: Answer, truth: Truth, end: acb) -> bool | None:
 
 
 def excess(rates: Sequence[float], branch: str) -> float:
-    """Largest violation of what a branch allows of rates (curvature times radius)."""
+    """Largest violation of a branch's limits by some rates.
+
+    A rate is curvature times radius.
+    """
     if branch == "best":
         return max((abs(u) - 1 for u in rates), default=0.0)
     first = 1 if branch[0] == "L" else -1
@@ -210,30 +247,35 @@ def excess(rates: Sequence[float], branch: str) -> float:
 
 
 def _compared(truth: Truth, branch: str, length: arb) -> tuple[bool, bool, bool]:
-    """Whether some truth is below a length, and the length surely right or surely wrong.
+    """Compare a length with the sampled truth.
 
-    The whole truth is hardly wider than the sampled truth.
+    Returns whether some truth is below the length, whether the length is surely right, and whether
+    it is surely wrong. The whole truth is hardly wider than the sampled truth.
     """
     hulls = truth.hulls(branch)
     below = [length if side(high - length) >= 0 else high for low, high in hulls if low <= length]
     reference = greatest(below) if below else length
     allowed = TOLERANCES.gap * float(greatest((reference, arb(1))))
     # a length that is hardly below some of the truth is as right as one that is hardly above
-    apart = min(float(length - reference) if below else math.inf, float(outside(length, hulls)))
+    excess_length = float(length - reference) if below else math.inf
+    apart = min(excess_length, float(outside(length, hulls)))
     room = _SPREAD * max((float(high - low) for low, high in hulls), default=0.0)
     return bool(below), apart <= allowed / _CLOSE, apart > allowed * _CLOSE + room
 
 
 def _above_shortest(end: acb, length: arb) -> float:
-    """By how many of the allowed gaps a path is longer than the shortest one to its own end.
+    """Excess over the shortest path to the same end.
 
-    Its end's neighbourhood is as wide as the check lets a path miss.
+    In units of the allowed gap. The neighbourhood of the end is as wide as the check lets a path
+    miss.
     """
-    own = Truth(end, arb(2 * TOLERANCES.miss))
-    highest = own.exact["best"]
+    neighbourhood = Truth(end, arb(2 * TOLERANCES.miss))
+    highest = neighbourhood.exact["best"]
     assert highest is not None
     if length - highest > TOLERANCES.gap:
-        highest = greatest(each["best"] for _, each, _ in own.members if each["best"] is not None)
+        highest = greatest(
+            each["best"] for _, each, _ in neighbourhood.members if each["best"] is not None
+        )
     return float(length - highest) / TOLERANCES.gap
 
 
@@ -247,7 +289,10 @@ def oracle(table: Table, scenario: Scenario, truth: Truth, rng: np.random.Genera
 
 
 def _steps(truth: Truth, rng: np.random.Generator) -> bool:
-    """Whether some first piece and the shortest way from its end beat the oracle's shortest."""
+    """Whether a first piece beats the oracle's shortest.
+
+    The rest of the path is the shortest one from the end of that piece.
+    """
     best = truth.exact["best"]
     assert best is not None, "some path to every target exists"
     for turn in (-1, 0, 1):
@@ -261,13 +306,18 @@ def _steps(truth: Truth, rng: np.random.Generator) -> bool:
 
 
 def _scan(truth: Truth) -> float:
-    """Worst difference (in 1e-9 of max(length, 1)) from a search over the first arc in doubles."""
+    """Worst difference from a search over the first arc.
+
+    The search is done in doubles. The unit is 1e-9 of max(length, 1).
+    """
     searched = words_by_search(float(truth.target.real), float(truth.target.imag))
     worst = 0.0
     for word in WORDS:
-        exact, found = truth.exact[word], searched[word]
+        exact = truth.exact[word]
+        length = searched[word]
         if exact is None:
-            worst = max(worst, 0.0 if math.isinf(found) else math.inf)
+            if not math.isinf(length):
+                worst = math.inf
         else:
-            worst = max(worst, abs(float(exact) - found) / max(1.0, float(exact)) * 1e9)
+            worst = max(worst, abs(float(exact) - length) / max(1.0, float(exact)) * 1e9)
     return worst

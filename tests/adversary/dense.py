@@ -1,4 +1,4 @@
-"""Dense tracks: smooth closed curves, tracks of a receiver with noise, survey rows.
+"""Dense tracks: closed curves, noisy receivers, survey rows.
 
 Where neighbours are nearer than 2R, headings that are a little off cost a full turn at each point:
 a search that begins there gives a route of loops. Points are in radii.
@@ -21,7 +21,10 @@ FEWEST, MOST = 50, 5000  # points
 
 
 def _closed_curve(rng: Rng, n: int, spacing: float) -> Array:
-    """Points on a smooth closed curve, at equal arc lengths, once around it."""
+    """Points on a smooth closed curve.
+
+    They lie at equal arc lengths, once around the curve.
+    """
     angle = np.linspace(0.0, 2.0 * math.pi, 40 * n)
     radius = np.ones(angle.size)
     for wave in range(2, 6):
@@ -40,7 +43,7 @@ def _noisy(rng: Rng, n: int, spacing: float) -> Array:
 
 
 def _rows(rng: Rng, n: int, spacing: float) -> Array:
-    """Rows there and back, nearer to each other than two radii."""
+    """Rows there and back, less than two radii apart."""
     apart = rng.uniform(0.3, 1.9)
     in_row = max(2, round(math.sqrt(n) * rng.uniform(0.5, 2.0)))
     place = np.arange(1, n)
@@ -57,8 +60,11 @@ KINDS: dict[str, Callable[[Rng, int, float], Array]] = {
 }
 
 
-def drawn(seed: int) -> tuple[str, Array, float]:
-    """The kind of a track, its points of shape (n, 2), and the heading at the first."""
+def track_of_seed(seed: int) -> tuple[str, Array, float]:
+    """Kind of a track, its points, its first heading.
+
+    The points have shape (n, 2).
+    """
     rng = np.random.default_rng((32, seed))
     kind = list(KINDS)[seed % len(KINDS)]
     n = round(math.exp(rng.uniform(math.log(FEWEST), math.log(MOST))))
@@ -70,13 +76,16 @@ def drawn(seed: int) -> tuple[str, Array, float]:
 
 
 def bisecting(points: Array, first: float) -> Array:
-    """Headings half way between those of the chords before and after each point."""
+    """Headings half way between the neighbouring chords."""
     chord = np.unwrap(np.arctan2(*np.diff(points, axis=0).T[::-1]))
     return np.concatenate(([first], 0.5 * (chord[1:] + chord[:-1]), [chord[-1]]))
 
 
 def lengths(points: Array, first: float) -> tuple[float, float]:
-    """Lengths of the route with bisecting headings, and of the best of a few headings a point."""
+    """Lengths of the route by two choices of headings.
+
+    First with bisecting headings, then with the best of a few headings at each point.
+    """
     legs = np.diff(points, axis=0)
     headings = bisecting(points, first)
     grid = [np.array([first])]
@@ -88,6 +97,9 @@ def lengths(points: Array, first: float) -> tuple[float, float]:
 
 
 def circle(n: int, spacing: float, radius: float) -> Array:
-    """The origin and n points, `spacing` apart, on a circle that begins with heading 0."""
+    """The origin and n points on a circle.
+
+    They are `spacing` apart; the circle begins with heading 0.
+    """
     angle = np.arange(n + 1) * spacing / radius
     return radius * np.column_stack([np.sin(angle), 1.0 - np.cos(angle)])

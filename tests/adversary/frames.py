@@ -1,4 +1,7 @@
-"""Whole frames beside single scenarios: both have to say the same."""
+"""Compare whole frames with single scenarios.
+
+Both have to say the same.
+"""
 
 import math
 from collections.abc import Sequence
@@ -30,7 +33,7 @@ _RIGHT = (Verdict.OPTIMAL, Verdict.NONE_EXISTS)
 
 
 class Judged(NamedTuple):
-    """An answer and what the scalar check says of it.
+    """An answer and the scalar check's judgement.
 
     `truth` are the least and the greatest of the sampled lengths (length unit), if they are known.
     """
@@ -56,19 +59,29 @@ def judged(
     truth: tuple[float, float] | None = None,
 ) -> Judged:
     """An answer, judged and certified alone."""
-    found = judge(scenario, path, claim, branch)
-    certificate = certify(scenario, path, found, branch, lower_bound=bound)
-    return Judged(kind, scenario, branch, path, claim, bound, found, certificate, truth)
+    judgement = judge(scenario, path, claim, branch)
+    certificate = certify(scenario, path, judgement, branch, lower_bound=bound)
+    return Judged(kind, scenario, branch, path, claim, bound, judgement, certificate, truth)
 
 
 def analytic(
     table: Table, scenario: Scenario, sampled: dict[str, tuple[float, float]]
 ) -> list[Judged]:
-    """The answers of `analytic` to one scenario, judged and certified."""
+    """Answers of `analytic` to one scenario.
+
+    They are judged and certified.
+    """
     answers = []
     for branch in BRANCHES:
-        found = Analytic().solve(Question(scenario, branch), 1.0)
-        asked = table.generator, scenario, branch, found.path, found.claim, found.lower_bound
+        solution = Analytic().solve(Question(scenario, branch), 1.0)
+        asked = (
+            table.generator,
+            scenario,
+            branch,
+            solution.path,
+            solution.claim,
+            solution.lower_bound,
+        )
         one = judged(*asked, sampled.get(branch))
         wrong = one.judgement.verdict not in _RIGHT
         wrong |= one.judgement.false_claim or one.certificate.false_bound
@@ -78,7 +91,10 @@ def analytic(
 
 
 def closed_forms(table: Table, cases: Sequence[tuple[str, Scenario]]) -> None:
-    """The answers of `analytic` to a frame, judged, beside the scalar closed form."""
+    """Compare judged frames of `analytic` with the closed form.
+
+    The closed form is the scalar one.
+    """
     frame = scenario_frame(scenario for _, scenario in cases)
     for branch in BRANCHES:
         solution = Analytic().solve_frame(frame.copy(), branch)
@@ -99,7 +115,10 @@ def closed_forms(table: Table, cases: Sequence[tuple[str, Scenario]]) -> None:
 
 
 def checks_of_frames(table: Table, answers: Sequence[Judged]) -> None:
-    """Answers of at most two pieces as a frame beside what the scalar check says of each."""
+    """Check a frame of answers, two pieces at most.
+
+    Each row is compared with the scalar check.
+    """
     few = [one for one in answers if one.path is None or one.path.lengths.size < 3]
     for branch in BRANCHES:
         some = [one for one in few if one.branch == branch]
@@ -118,46 +137,57 @@ def checks_of_frames(table: Table, answers: Sequence[Judged]) -> None:
 
 
 def _same(table: Table, rows: FrameJudgement, row: int, one: Judged) -> None:
-    """What a frame says of one row beside what the scalar check says."""
-    scenario, found = one.scenario, one.judgement
+    """Compare one row of a frame with scalar checks."""
+    scenario = one.scenario
+    judgement = one.judgement
     line = paste(scenario, one.branch)
     if one.path is not None:
         line = paste_path(scenario, one.branch, one.path)
     word = int(rows.word[row])
     pairs = {
-        "verdict": (VERDICTS[rows.verdict[row]], found.verdict),
-        "region": (REGIONS[rows.region[row]], found.region),
-        "word": (None if word == NO_WORD else LEG_WORDS[word], found.word),
-        "false_claim": (bool(rows.false_claim[row]), found.false_claim),
-        "wrong_basin": (bool(rows.wrong_basin[row]), found.wrong_basin),
+        "verdict": (VERDICTS[rows.verdict[row]], judgement.verdict),
+        "region": (REGIONS[rows.region[row]], judgement.region),
+        "word": (None if word == NO_WORD else LEG_WORDS[word], judgement.word),
+        "false_claim": (bool(rows.false_claim[row]), judgement.false_claim),
+        "wrong_basin": (bool(rows.wrong_basin[row]), judgement.wrong_basin),
     }
     differ = [f"{name}: frame {a}, scalar {b}" for name, (a, b) in pairs.items() if a != b]
     table.note("frame judgement", bool(differ), f"{line}  # {', '.join(differ)}")
     # numbers are compared in units of what is added up: coordinates, radius and length
-    size = scenario.extent + scenario.radius + (found.length or 0.0)
+    size = scenario.extent + scenario.radius + (judgement.length or 0.0)
     units = {"length": size, "miss": size, "travel_time": size / scenario.speed}
     units |= {
         "margin": size / scenario.radius,
-        "curvature_excess": 1 + (found.curvature_excess or 0),
+        "curvature_excess": 1 + (judgement.curvature_excess or 0),
     }
-    pairs = {name: (getattr(rows, name)[row], getattr(found, name), units[name]) for name in units}
+    pairs = {
+        name: (getattr(rows, name)[row], getattr(judgement, name), units[name]) for name in units
+    }
     table.note("frame numbers", 1e14 * _apart(pairs), f"{line}  # {pairs}")
-    if found.gap is not None and found.reference is not None and found.length is not None:
+    if (
+        judgement.gap is not None
+        and judgement.reference is not None
+        and judgement.length is not None
+    ):
         # an ulp of the reference counts for as much as the answer is longer
-        reference = max(found.reference, scenario.radius)
-        scale = reference / ulp(found.length, scenario.radius)
-        scale /= max(1.0, found.length / reference)
+        reference = max(judgement.reference, scenario.radius)
+        scale = reference / ulp(judgement.length, scenario.radius)
+        scale /= max(1.0, judgement.length / reference)
         gap = float(rows.gap[row])
-        apart = math.inf if math.isnan(gap) else abs(gap - found.gap) * scale
-        table.note("frame gap", apart, f"{line}  # gap {gap} {found.gap}")
+        apart = math.inf if math.isnan(gap) else abs(gap - judgement.gap) * scale
+        table.note("frame gap", apart, f"{line}  # gap {gap} {judgement.gap}")
 
 
 def _apart(pairs: dict[str, tuple[float, float | None, float]]) -> float:
-    """The largest difference: in its unit, or as a share of the number; infinite if one lacks."""
+    """The largest difference of two values.
+
+    In its unit, or as a share of the number. Infinite if one of the two is missing.
+    """
     worst = 0.0
     for frame, scalar, unit in pairs.values():
         if scalar is None or math.isnan(frame):
-            worst = max(worst, 0.0 if scalar is None and math.isnan(frame) else math.inf)
+            if scalar is not None or not math.isnan(frame):
+                worst = math.inf
         elif frame != scalar:
             worst = max(worst, abs(frame - scalar) / max(unit, abs(scalar)))
     return worst

@@ -1,8 +1,9 @@
-"""Scenarios in which a wrong answer is likely, and answers that are wrong or of unusual shape.
+"""Scenarios and answers in which mistakes are likely.
 
-The scenarios lie at every edge of the problem, at every scale. A generator draws the target as a
-user computes it, from the start and the heading in doubles, so that it lies beside an edge by what
-that arithmetic rounds. Some are then moved by a number of ulp.
+The answers are wrong or of unusual shape. The scenarios lie at every edge of the problem, at every
+scale. A generator computes the target as a user does, from the start and the heading in doubles,
+so that it lies beside an edge by the rounding of that arithmetic. Some are then moved by a number
+of ulp.
 """
 
 import math
@@ -67,13 +68,16 @@ def placed(
     radius: float = 1.0,
     ulps: float = 0.0,
 ) -> Scenario:
-    """A scenario whose target is computed in doubles from (X, Y) in the vehicle's frame (radii).
+    """A scenario with its target given in radii.
+
+    The target is computed in doubles from (X, Y) in the vehicle's frame.
 
     The start lies in a square of half the side `box` (radii). `ulps` is the share of targets that
     are moved by up to 1000 ulp in each coordinate.
     """
     if heading is None:
-        heading = float(rng.choice(_ROUND) if rng.random() < 0.15 else rng.uniform(-7, 7))
+        is_round = rng.random() < 0.15
+        heading = float(rng.choice(_ROUND)) if is_round else float(rng.uniform(-7, 7))
     x, y = (rng.uniform(-box, box, 2) * radius).tolist()
     scenario = cases.placed(X, Y, x, y, heading, radius)
     if rng.random() < ulps:
@@ -93,7 +97,7 @@ def sign(rng: Rng) -> float:
 
 
 def on_circle(rng: Rng, radius: int = 1) -> tuple[float, float]:
-    """A point on a circle about one of the turning centres, anywhere on its circumference."""
+    """A random point on one of the turning circles."""
     a = rng.uniform(-math.pi, math.pi) * power(rng, -8, 0) ** (rng.random() < 0.2)
     if rng.random() < 0.5:
         a = math.pi - a
@@ -107,7 +111,8 @@ def anywhere(rng: Rng) -> tuple[float, float]:
 
 
 def general(rng: Rng) -> Scenario:
-    r, a = power(rng, -3, 6), rng.uniform(-math.pi, math.pi)
+    r = power(rng, -3, 6)
+    a = rng.uniform(-math.pi, math.pi)
     at = r * math.cos(a), r * math.sin(a)
     return placed(rng, *at, radius=power(rng, -6, 6), box=power(rng, -2, 4))
 
@@ -127,9 +132,11 @@ def tops(rng: Rng) -> Scenario:
 def start(rng: Rng) -> Scenario:
     if rng.random() < 0.4:
         return placed(rng, 0.0, 0.0, box=power(rng, -3, 9), ulps=1)
-    sizes = 10 ** rng.uniform(-18 if rng.random() < 0.7 else -300, -1, 2)
+    smallest = -18 if rng.random() < 0.7 else -300
+    sizes = 10 ** rng.uniform(smallest, -1, 2)
     X, Y = (sizes * rng.choice((-1, 0, 1, 1), 2)).tolist()
-    return placed(rng, X, Y, box=0.0 if rng.random() < 0.7 else power(rng, -18, 0))
+    box = 0.0 if rng.random() < 0.7 else power(rng, -18, 0)
+    return placed(rng, X, Y, box=box)
 
 
 def denormal(rng: Rng) -> Scenario:
@@ -205,7 +212,10 @@ _KINDS = [kind for kind, (share, _) in SCENARIOS.items() for _ in range(share)]
 
 
 def case(seed: int, number: int) -> tuple[str, Scenario]:
-    """The kind and the scenario of one case, the same for every division into blocks."""
+    """Kind and scenario of one case.
+
+    They are the same for every division into blocks.
+    """
     if number < len(FIXED):
         return "fixed", FIXED[number]
     rng = np.random.default_rng((seed, number))
@@ -218,7 +228,7 @@ def case(seed: int, number: int) -> tuple[str, Scenario]:
 
 
 class Answer(NamedTuple):
-    """A path that is put before the check, and its question."""
+    """A path that is checked, and its question."""
 
     scenario: Scenario
     branch: str
@@ -242,7 +252,8 @@ def _cut_up(rng: Rng, u: Sequence[float], s: Sequence[float]) -> Controls:
 
 
 def _tiny_pieces(rng: Rng, u: Sequence[float], s: Sequence[float]) -> Controls:
-    n, long = int(rng.integers(1, 100)), power(rng, 0, 7)
+    n = int(rng.integers(1, 100))
+    long = power(rng, 0, 7)
     straight = long * power(rng, -9, -5) * rng.choice((0.1, 0.99, 1))
     u, s = [1.0, 0.0] * n, [3.14 / n, straight] * n
     if rng.random() < 0.3:  # turns too small to count, to both sides
@@ -263,7 +274,9 @@ def _two_pieces(rng: Rng, u: Sequence[float], s: Sequence[float]) -> Controls:
 
 
 def _broken(rng: Rng, u: Sequence[float], s: Sequence[float]) -> Controls:
-    rates, lengths = [*u, 1.0][-2:], [*s, 1.0][-2:]  # two, so that a frame takes it too
+    # two, so that a frame takes it too
+    rates = [*u, 1.0][-2:]
+    lengths = [*s, 1.0][-2:]
     bad = float(rng.choice((-4.59, math.nan, math.inf, -1e-12)))
     spoilt = lengths if bad < 0 or rng.random() < 0.5 else rates
     spoilt[int(rng.integers(len(spoilt)))] = bad
@@ -286,7 +299,10 @@ ALTERED: dict[str, tuple[float, Alter]] = {
 
 
 def _with_end_as_target(scenario: Scenario, path: Path) -> Scenario:
-    """The scenario whose target is the path's own end, rounded to doubles."""
+    """The scenario whose target is the path's end.
+
+    The end is rounded to doubles.
+    """
     with ctx.workprec(320):
         controls = zip(path.curvatures.tolist(), path.lengths.tolist(), strict=True)
         moved = drive([(arb(k), arb(s)) for k, s in controls])[0]
@@ -297,7 +313,10 @@ def _with_end_as_target(scenario: Scenario, path: Path) -> Scenario:
 
 
 def wrong_answer(rng: Rng, scenario: Scenario) -> tuple[str, Answer]:
-    """One altered answer, to the scenario or to one of its own; and its kind."""
+    """One altered answer, and its kind.
+
+    It answers the scenario or one of its own.
+    """
     while True:
         kind = str(rng.choice(list(ALTERED)))
         moved, alter = ALTERED[kind]

@@ -1,4 +1,6 @@
-"""The six words of a leg by circles and tangents, compiled, and dynamic programs over headings.
+"""Compiled leg lengths, and dynamic programs over headings.
+
+The six words of a leg are found by circles and tangents.
 
 No formula is shared with the package. Radius 1; headings in rad.
 """
@@ -16,7 +18,10 @@ _ROUNDS = 300  # of a descent, which may creep along an edge for ever; a few doz
 
 @numba.njit(cache=True)
 def _turned(angle: float, gap: float) -> float:
-    """An arc's angle in [0, 2 pi); one that lacks less than `gap` of a full turn is none."""
+    """Angle of an arc in [0, 2 pi).
+
+    An arc that lacks less than `gap` of a full turn is none.
+    """
     angle -= _TWO_PI * math.floor(angle / _TWO_PI)
     return angle if angle < _TWO_PI - gap else 0.0
 
@@ -56,30 +61,36 @@ def _leg(x: float, y: float, a: float, b: float, rates: Array, gap: float) -> fl
 
 @numba.njit(cache=True)
 def leg_length(x: float, y: float, a: float, b: float, gap: float) -> float:
-    """The shortest path from the origin, heading a, to (x, y), heading b.
+    """Shortest path from the origin to (x, y).
 
-    An arc that lacks less than `gap` (rad) of a full turn counts as none, and circles that miss
-    each other by less than a hundredth of it as touching: what rounding may hide.
+    It starts with heading a and ends with heading b.
+
+    An arc that lacks less than `gap` (rad) of a full turn counts as none. Circles that miss each
+    other by less than a hundredth of it count as touching. Rounding may hide either.
     """
     return _leg(x, y, a, b, (math.sin(a), math.cos(a), math.sin(b), math.cos(b)), gap)
 
 
 @numba.njit(cache=True)
-def _arrivals(x: float, y: float, a: float, found: Array) -> int:
-    """Headings in which (x, y) is met without a last arc, or without the last but one."""
+def _arrivals(x: float, y: float, a: float, headings: Array) -> int:
+    """Headings of arrival at (x, y) with fewer arcs.
+
+    The last arc is missing, or the last but one.
+    """
     n = 0
     for s in (1.0, -1.0):
         dx, dy = x + s * math.sin(a), y - s * math.cos(a)
-        apart, way = math.hypot(dx, dy), math.atan2(dy, dx)
+        apart = math.hypot(dx, dy)
+        way = math.atan2(dy, dx)
         if apart >= 1.0:
-            found[n] = way + s * math.atan2(1.0, math.sqrt((apart - 1.0) * (apart + 1.0)))
+            headings[n] = way + s * math.atan2(1.0, math.sqrt((apart - 1.0) * (apart + 1.0)))
             n += 1
         if 1.0 <= apart <= 3.0:
             off = math.acos(min(1.0, (apart * apart + 3.0) / (4.0 * apart)))
             for side in (off, -off):
                 u = dx - 2.0 * math.cos(way + side)
                 v = dy - 2.0 * math.sin(way + side)
-                found[n] = math.atan2(v, u) - s * math.pi / 2
+                headings[n] = math.atan2(v, u) - s * math.pi / 2
                 n += 1
     return n
 
@@ -94,7 +105,7 @@ def route_length(legs: Array, headings: Array) -> float:
 
 @numba.njit(cache=True)
 def length_table(x: float, y: float, a: Array, b: Array) -> Array:
-    """The lengths of a leg from each heading of a to each of b."""
+    """Leg lengths from each a to each b."""
     table = np.empty((a.size, b.size))
     sin_b, cos_b = np.sin(b), np.cos(b)
     for i in range(a.size):
@@ -108,43 +119,47 @@ def length_table(x: float, y: float, a: Array, b: Array) -> Array:
 def downhill(
     legs: Array, headings: Array, free: Array, rng: np.random.Generator, steps: Array
 ) -> float:
-    """Go downhill in place: along each heading, at random, and along the edges where legs jump.
+    """Improve the headings in place, downhill.
+
+    Steps go along each heading, at random, and along the edges where legs jump.
 
     The least length often lies on an edge, where an arc of a leg has no length. A point moves along
     it if its neighbour's heading is changed and its own is then that of an arrival without an arc.
     """
     n = len(headings)
     best = route_length(legs, headings)
-    tried, found = headings.copy(), np.empty(6)
+    trial = headings.copy()
+    arrivals = np.empty(6)
     step, least = steps
     for _ in range(_ROUNDS):
         before = best
         for move in range(4 * n):
-            tried[:] = headings
+            trial[:] = headings
             i = move % n
             if move < 2 * n:
-                tried[i] += step if move < n else -step
+                trial[i] += step if move < n else -step
             else:
                 for j in range(n):
-                    tried[j] += step * rng.uniform(-1.0, 1.0)
-            tried[:] = np.where(free, tried, headings)
-            length = route_length(legs, tried)
+                    trial[j] += step * rng.uniform(-1.0, 1.0)
+            trial[:] = np.where(free, trial, headings)
+            length = route_length(legs, trial)
             if length < best:
                 best = length
-                headings[:] = tried
+                headings[:] = trial
                 continue
             way = 1 if rng.random() < 0.5 else -1  # a neighbour follows, forwards or backwards
             j = i + way
             if not 0 <= j < n or not free[j]:
                 continue
-            leg, back = min(i, j), 0.0 if way == 1 else math.pi
+            leg = min(i, j)
+            back = 0.0 if way == 1 else math.pi
             x, y = way * legs[leg, 0], way * legs[leg, 1]
-            for k in range(_arrivals(x, y, tried[i] + back, found)):
-                tried[j] = found[k] + back
-                length = route_length(legs, tried)
+            for k in range(_arrivals(x, y, trial[i] + back, arrivals)):
+                trial[j] = arrivals[k] + back
+                length = route_length(legs, trial)
                 if length < best:
                     best = length
-                    headings[:] = tried
+                    headings[:] = trial
         if best >= before * (1.0 - 1e-15):
             step *= 0.4
             if step < least:

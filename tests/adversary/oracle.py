@@ -1,5 +1,6 @@
-"""The truth about a question in 60 digits, by geometry: circles, tangents and points, no formula
-of the package.
+"""The truth about a question in 60 digits.
+
+It is found by geometry: circles, tangents and points, and no formula of the package.
 
 Numbers are balls (Arb), so that every digit that is compared is known to be right. Points are
 complex numbers in the vehicle's frame, in radii: the start is 0, it looks along 1, and the turning
@@ -23,11 +24,17 @@ Pieces = Sequence[tuple[arb, arb]]  # curvature (1 / radius) and length (radii)
 
 
 class OracleError(AssertionError):
-    """The oracle contradicts itself: nothing that it says of this case counts."""
+    """The oracle contradicts itself.
+
+    Nothing that it says of this case counts.
+    """
 
 
 def side(value: arb) -> int:
-    """The sign of a number, 0 if its ball holds zero: 60 digits do not tell it from zero."""
+    """Sign of a number; 0 if undecided.
+
+    It is 0 if the ball holds zero: 60 digits do not tell it from zero.
+    """
     return 1 if value > 0 else -1 if value < 0 else 0
 
 
@@ -36,7 +43,10 @@ def square(z: acb) -> arb:
 
 
 def bits(scenario: Scenario) -> int:
-    """Bits that leave 60 digits of a target next to the start, and of one next to the axis."""
+    """Bits for 60 digits of a target.
+
+    They suffice next to the start, and next to the axis.
+    """
     with ctx.workprec(64):
         size = math.hypot(*(abs(float(part)) for part in local(scenario)))
     lost = 1600 if size < 1e-290 else max(0.0, -math.log2(size))
@@ -52,7 +62,7 @@ def local(scenario: Scenario) -> tuple[arb, arb]:
 
 
 def turned(quotient: acb) -> arb:
-    """The argument of a complex number in [0, 2 pi)."""
+    """Argument of a complex number in [0, 2 pi)."""
     if not quotient.real.mid() > 0:  # away from the jump at the positive axis
         return (-quotient).arg() + arb.pi()
     angle = quotient.arg()
@@ -62,7 +72,10 @@ def turned(quotient: acb) -> arb:
 
 
 def drive(pieces: Pieces, pose: tuple[acb, acb] = (acb(0), acb(1))) -> tuple[acb, acb]:
-    """Position and direction at the end of pieces of constant curvature."""
+    """Position and direction at the end of some pieces.
+
+    Each piece has a constant curvature.
+    """
     z, direction = pose
     for k, s in pieces:
         if k == 0:
@@ -76,7 +89,10 @@ def drive(pieces: Pieces, pose: tuple[acb, acb] = (acb(0), acb(1))) -> tuple[acb
 
 
 def _left_straight(target: acb) -> Iterator[Pieces]:
-    """The tangent from the target to the left circle, met in the direction of driving."""
+    """The tangent from the target to the left circle.
+
+    It is met in the direction of driving.
+    """
     d = target - I
     power = square(d) - 1
     if side(power) < 0:
@@ -87,7 +103,10 @@ def _left_straight(target: acb) -> Iterator[Pieces]:
 
 
 def _right_left(target: acb) -> Iterator[Pieces]:
-    """The second centre: where a circle of 2 about -i cuts the circle of 1 about the target."""
+    """Paths of the word RL.
+
+    The second centre lies where a circle of 2 about -i cuts the circle of 1 about the target.
+    """
     d = target + I
     dd = square(d)
     if side(dd - 1) < 0 or side(9 - dd) < 0:
@@ -110,21 +129,28 @@ _FIND = {
 
 
 def paths(target: acb, word: str, driven: bool = False) -> list[Pieces]:
-    """All paths of a word with arcs below a full turn; if `driven`, each to its end."""
+    """All paths of a word; arcs below a turn.
+
+    If `driven`, each is driven to its end.
+    """
     find, mirror = _FIND[word]
-    found: list[Pieces] = []
-    for pieces in find(target.conjugate() if mirror else target):
+    results: list[Pieces] = []
+    point = target.conjugate() if mirror else target
+    for pieces in find(point):
         pieces = [(-k, s) if mirror else (k, s) for k, s in pieces]
         if driven:
             off = drive(pieces)[0] - target
             if not abs(off).abs_upper() <= abs(target).mid() * arb(10) ** (5 - DIGITS):
                 raise OracleError(f"the {word} path ends {off} from its target {target}")
-        found.append(pieces)
-    return found
+        results.append(pieces)
+    return results
 
 
 def lengths(target: acb, driven: bool = False) -> dict[str, arb | None]:
-    """The shortest length of each word and of all (`best`), in radii; None where there is none."""
+    """Shortest length of each word and of all (`best`).
+
+    In radii; None where there is no path.
+    """
     each: dict[str, arb | None] = {}
     for word in WORDS:
         totals = [first[1] + last[1] for first, last in paths(target, word, driven)]
@@ -143,7 +169,10 @@ def greatest(values: Iterable[arb]) -> arb:
 
 
 def end_of(scenario: Scenario, path: Path) -> acb:
-    """The end of a path's controls, driven in 60 digits, in the vehicle's frame (radii)."""
+    """End of a path's controls, driven in 60 digits.
+
+    In the vehicle's frame (radii).
+    """
     radius = arb(scenario.radius)
     controls = zip(path.curvatures.tolist(), path.lengths.tolist(), strict=True)
     return drive([(arb(k) * radius, arb(s) / radius) for k, s in controls])[0]

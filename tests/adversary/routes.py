@@ -1,7 +1,7 @@
-"""Attack the certified search: no small route is shorter than its proven bound.
+"""Attack the certified search with shorter small routes.
 
-Each is tried by other means: by dynamic programs over 10 000 headings a turn, and downhill from 300
-starts.
+No small route may be shorter than its proven bound. Each is attacked by other means: by dynamic
+programs over 10 000 headings a turn, and downhill from 300 starts.
 """
 
 import math
@@ -22,9 +22,15 @@ from tests.cases import driven, walked
 Array = NDArray[np.float64]
 Rng = np.random.Generator
 
-_FINE, _EACH = 10_000, 20  # headings a turn, and how many of them in each window
-_BEST, _RANDOM = 15, 5  # windows at a point
-_STARTS, _FINISHED = 300, 8  # how many go downhill, and how many of them to the end
+# headings a turn, and how many of them in each window
+_FINE = 10_000
+_EACH = 20
+# windows at a point
+_BEST = 15
+_RANDOM = 5
+# how many go downhill, and how many of them to the end
+_STARTS = 300
+_FINISHED = 8
 _WHOLE = 200  # one route in so many is tried on the whole grid, without windows
 _BOXES = 30_000  # of the search, whose bound has to hold whenever it ends: a quarter of a second
 # the least lengths that were found for 2 000 routes of seed 0
@@ -35,7 +41,10 @@ _OFF_CIRCLE = 1e-15
 
 
 class Asked(NamedTuple):
-    """A route in radii: points of shape (n + 1, 2), headings at both ends; None is free."""
+    """A route in radii.
+
+    Points have shape (n + 1, 2). The headings are those at both ends; None is free.
+    """
 
     points: Array
     first: float
@@ -49,7 +58,10 @@ def _spaced(least: float, most: float, rng: Rng, n: int) -> tuple[Array, float]:
 
 
 def _in_line(rng: Rng, n: int) -> tuple[Array, float]:
-    """Points on one line, driven along it, across it, or there and back."""
+    """Points on one line.
+
+    The line is driven along, across, or there and back.
+    """
     angle = rng.choice([0.0, math.pi / 2, rng.uniform(-math.pi, math.pi)])
     back = rng.choice([0.0, math.pi], n) if rng.random() < 0.6 else np.zeros(n)
     first = angle + rng.choice([0.0, math.pi, math.pi / 2, rng.uniform(-math.pi, math.pi)])
@@ -65,7 +77,10 @@ def _u_turns(rng: Rng, n: int) -> tuple[Array, float]:
 
 
 def _on_a_path(rng: Rng, n: int) -> tuple[Array, float]:
-    """Points where a path of arcs and straights changes its turn: on turning circles."""
+    """Points where a path changes its turn.
+
+    The path has arcs and straights, so the points lie on turning circles.
+    """
     turn = rng.choice([-1.0, 0.0, 1.0], n)
     length = np.where(rng.random(n) < 0.3, math.pi / 2, rng.uniform(0.1, 5.0, n))
     first = rng.choice([0.0, rng.uniform(-math.pi, math.pi)])
@@ -76,7 +91,10 @@ def _on_a_path(rng: Rng, n: int) -> tuple[Array, float]:
 
 
 def _round(rng: Rng, n: int) -> tuple[Array, float]:
-    """Round numbers, which lie on turning circles exactly; neighbours apart."""
+    """Points with round coordinates; neighbours are apart.
+
+    Such points lie on turning circles exactly.
+    """
     while True:
         points = np.vstack([[0.0, 0.0], rng.choice([-2.0, -1.0, 0.0, 0.5, 1.0, 2.0, 3.0], (n, 2))])
         if np.hypot(*np.diff(points, axis=0).T).min() > 0.0:
@@ -95,8 +113,8 @@ KINDS: dict[str, Callable[[Rng, int], tuple[Array, float]]] = {
 }
 
 
-def drawn(number: int, seeded: int) -> tuple[str, Asked]:
-    """The kind of a route of a seed, and the route: of 2 to 5 legs."""
+def route_of_seed(number: int, seeded: int) -> tuple[str, Asked]:
+    """Kind and route of a seed, 2-5 legs."""
     rng = np.random.default_rng((seeded, number))
     kind = list(KINDS)[number % len(KINDS)]
     points, first = KINDS[kind](rng, int(rng.integers(2, 6)))
@@ -108,14 +126,17 @@ def drawn(number: int, seeded: int) -> tuple[str, Asked]:
 
 
 class Chains(NamedTuple):
-    """A dynamic program: the least length through each heading, and the way to and from it."""
+    """Best chains of a dynamic program over headings.
+
+    It holds the least length through each heading, and the way to and from it.
+    """
 
     through: list[Array]
     before: list[NDArray[np.intp]]
     after: list[NDArray[np.intp]]
 
     def headings(self, grid: list[Array], point: int, place: int) -> Array:
-        """The headings of the best chain through one heading of a point."""
+        """Headings of the best chain through one heading."""
         chain = [place]
         for before in reversed(self.before[:point]):
             chain.insert(0, int(before[chain[0]]))
@@ -140,7 +161,10 @@ def program(legs: Array, grid: list[Array]) -> Chains:
 
 
 def whole_grid(legs: Array, ends: list[Array | None]) -> float:
-    """The least over all headings of the fine grid, 250 rows of a table at a time."""
+    """Least length over all headings of the fine grid.
+
+    It is computed for 250 rows of a table at a time.
+    """
     every = np.arange(_FINE) * (2 * math.pi / _FINE) - math.pi
     cost = np.zeros(1)
     grid = [every if end is None else end for end in ends]
@@ -155,16 +179,17 @@ def whole_grid(legs: Array, ends: list[Array | None]) -> float:
 
 
 def attacked(asked: Asked, rng: Rng) -> float:
-    """The least length that is found, on the fine grid and downhill.
+    """Least length by the fine grid and downhill.
 
-    The grid has 500 headings at a point, and then the fine ones in the 15 windows about those
-    through which the shortest chains go and in 5 random windows. Downhill from the best chain
+    The grid has 500 headings at a point. Then come the fine headings of 20 windows: 15 about the
+    headings of the shortest chains, and 5 at random. The search goes downhill from the best chain
     through each window, from chains beside the best of all, and from anywhere.
     """
     legs = np.diff(asked.points, axis=0)
     every = np.arange(_FINE) * (2 * math.pi / _FINE) - math.pi
     ends = [np.array([asked.first]), *[None] * (len(legs) - 1)]
-    ends.append(None if asked.last is None else np.array([asked.last]))
+    last = None if asked.last is None else np.array([asked.last])
+    ends.append(last)
     free = np.array([end is None for end in ends])
     grid = [every[::_EACH] if end is None else end for end in ends]
     coarse = program(legs, grid)
@@ -188,7 +213,8 @@ def attacked(asked: Asked, rng: Rng) -> float:
     for place in range(_STARTS - len(starts)):
         off = rng.normal(size=free.size) * 10 ** rng.uniform(-3, 0)
         anywhere = rng.uniform(-math.pi, math.pi, free.size)
-        starts.append(np.where(free, best + off if place % 2 else anywhere, best))
+        start = best + off if place % 2 else anywhere
+        starts.append(np.where(free, start, best))
     lengths = [downhill(legs, start, free, rng, (0.1, 0.03)) for start in starts]
     finished = {round(lengths[k], 6): starts[k] for k in np.argsort(lengths)[::-1]}
     least = min(float(fine.through[0].min()), *lengths)
@@ -198,7 +224,9 @@ def attacked(asked: Asked, rng: Rng) -> float:
 
 
 def tolerated(asked: Asked) -> float:
-    """By how much of its length a route's bound may be above a length that is found.
+    """Tolerated excess of a bound over a length.
+
+    It is a share of the length.
 
     From a given heading points may lie on turning circles one after another up to rounding. Each
     frees the heading there by the root of what it is off; more than two were not needed.
@@ -210,27 +238,36 @@ def tolerated(asked: Asked) -> float:
             left = np.array([-math.sin(heading), math.cos(heading)])
             if min(abs(math.hypot(*(way - turn * left)) - 1.0) for turn in (1.0, -1.0)) > 9 * freed:
                 break
-            heading, freed = 2.0 * math.atan2(way[1], way[0]) - heading, math.sqrt(freed)
+            heading = 2.0 * math.atan2(way[1], way[0]) - heading
+            freed = math.sqrt(freed)
         off = max(off, freed)
     return off if off > _OFF_CIRCLE else TOLERANCE
 
 
 def proven(asked: Asked, number: int) -> Route:
-    """The search; asked by turns for what `shortest_route` asks for and for a thousandth of it."""
+    """Proven interval of the search.
+
+    Its tolerance is in turn that of `shortest_route` and a thousandth of it.
+    """
     return search(*asked, boxes=_BOXES, tolerance=(1e-9, 1e-12)[number // len(KINDS) % 2])
 
 
 def attack(table: Table, seed: int, number: int) -> float:
-    """One route: its proven bound beside the least length that is found, which is returned."""
-    table.generator, asked = drawn(number, seed)
+    """Compare one route's bound with the shortest attack.
+
+    Returns the least length of the attacks.
+    """
+    table.generator, asked = route_of_seed(number, seed)
     low = proven(asked, number).low
-    found = attacked(asked, np.random.default_rng((seed, number, 1)))
-    table.note("route beaten", (low - found) / low / tolerated(asked), f"drawn({number}, {seed})")
-    return found
+    length = attacked(asked, np.random.default_rng((seed, number, 1)))
+    table.note(
+        "route beaten", (low - length) / low / tolerated(asked), f"route_of_seed({number}, {seed})"
+    )
+    return length
 
 
 def run(seed: int, low: int, high: int) -> Table:
-    """The routes `low` to `high` - 1 of a seed."""
+    """Attack a seed's routes from `low` below `high`."""
     table = Table()
     for number in range(low, high):
         attack(table, seed, number)

@@ -1,8 +1,10 @@
-"""Routes and legs with a final heading before the check: honest paths, false ones, and bounds.
+"""Routes and legs before the check, honest and false.
 
-What is right is known without the package's check: where a path passes a point is searched on a
-dense sample of it, one path that arrives is a bound for all others, and the length of one leg is
-that of `tests.adversary.leg_lengths`.
+The legs have a final heading; bounds are checked too.
+
+The right verdict is known without the package's check. The place where a path passes a point is
+searched on a dense sample of the path. One path that arrives is a bound for all others. The length
+of one leg is that of `tests.adversary.leg_lengths`.
 """
 
 import math
@@ -24,7 +26,7 @@ from dubins_study.study.scenario import Pose, Scenario, ScenarioError
 from dubins_study.study.tolerances import ARRIVES, HEADED, Tolerances
 from dubins_study.study.words import Claim, Verdict
 from tests.adversary.leg_lengths import leg_length
-from tests.adversary.routes import Rng, drawn
+from tests.adversary.routes import Rng, route_of_seed
 from tests.adversary.table import Table, paste, paste_path
 from tests.hard_cases import hard_poses
 
@@ -34,14 +36,18 @@ _HIDDEN = 1e-10  # rad; an arc that lacks less of a full turn may be none by rou
 
 
 def scenario_of(seed: int, number: int) -> tuple[str, Scenario]:
-    """A small route, or one leg with a final heading; moved and scaled or not."""
+    """A small route, or a leg with final heading.
+
+    It is moved and scaled or not.
+    """
     rng = np.random.default_rng((seed, number, 2))
     if number % 4:
         columns = hard_poses(6, number + seed).iloc[number % 6]
         return "final heading", Scenario(**columns)
-    kind, (points, first, last) = drawn(number // 4, seed)
+    kind, (points, first, last) = route_of_seed(number // 4, seed)
     if rng.random() < 0.5:
-        turn, radius = rng.uniform(-math.pi, math.pi), 10 ** rng.uniform(-3, 3)
+        turn = rng.uniform(-math.pi, math.pi)
+        radius = 10 ** rng.uniform(-3, 3)
         spin = np.array([[math.cos(turn), math.sin(turn)], [-math.sin(turn), math.cos(turn)]])
         points = radius * (points @ spin + rng.uniform(-9, 9, 2))
         first, last = first + turn, None if last is None else last + turn
@@ -52,7 +58,7 @@ def scenario_of(seed: int, number: int) -> tuple[str, Scenario]:
 
 
 class Answer(NamedTuple):
-    """A path, its question, and what is known of the shortest length of that."""
+    """A path, its question, and known shortest lengths."""
 
     kind: str
     scenario: Scenario
@@ -62,20 +68,19 @@ class Answer(NamedTuple):
 
 
 def off_points(scenario: Scenario, path: Path) -> float:
-    """By how much a path breaks its question, in what is allowed: points, heading, curvature.
+    """Violations of a question by a path.
 
-    The nearest places of a point are searched on a dense sample of the path; each next point after
-    the first one that is near enough. Of a point that is missed, the rest counts from there.
+    In units of what is allowed: points, heading, curvature. The nearest places of a point are
+    searched on a dense sample of the path; each next point after the first one that is near
+    enough. After a missed point the search goes on from that point's nearest place.
     """
     radius = scenario.radius
     ends = np.concatenate([[0.0], np.cumsum(path.lengths)])
     dense = np.linspace(0.0, ends[-1], 20 * int(ends[-1] / radius) + 50)
     dense = np.union1d(dense, ends)
     sample = path.at(dense)[:, :2]
-    at, worst = (
-        0.0,
-        float(np.abs(path.curvatures * radius).max(initial=1.0) - 1.0) / TOLERANCES.curvature,
-    )
+    at = 0.0
+    worst = float(np.abs(path.curvatures * radius).max(initial=1.0) - 1.0) / TOLERANCES.curvature
     for x, y in scenario.via:
         away = np.hypot(*(sample - (x, y)).T)
         low = np.flatnonzero(
@@ -90,9 +95,10 @@ def off_points(scenario: Scenario, path: Path) -> float:
             one, other = left + (right - left) / 3, right - (right - left) / 3
             nearer = _away(path, one, x, y) <= _away(path, other, x, y)
             left, right = np.where(nearer, left, one), np.where(nearer, other, right)
-        found = _away(path, left, x, y) / (ARRIVES * radius)
-        place = int(np.argmax(found <= 1.0)) if (found <= 1.0).any() else int(found.argmin())
-        worst, at = max(worst, float(found[place])), max(at, float(left[place]))
+        misses = _away(path, left, x, y) / (ARRIVES * radius)
+        place = int(np.argmax(misses <= 1.0)) if (misses <= 1.0).any() else int(misses.argmin())
+        worst = max(worst, float(misses[place]))
+        at = max(at, float(left[place]))
     end = path.end
     miss = math.hypot(end.x - scenario.target_x, end.y - scenario.target_y)
     worst = max(worst, miss / (ARRIVES * radius))
@@ -110,10 +116,16 @@ def _away(path: Path, at: NDArray[np.float64], x: float, y: float) -> NDArray[np
 def answers(
     rng: Rng, scenario: Scenario, path: Path, known: tuple[float, float]
 ) -> Iterator[Answer]:
-    """Paths beside the best one, honest and false, and the best one before other questions."""
-    radius, k, s = scenario.radius, path.curvatures, path.lengths
+    """Paths beside the best one, honest and false.
+
+    The best path is also put before other questions.
+    """
+    radius = scenario.radius
+    k = path.curvatures
+    s = path.lengths
     off = float(rng.choice([1e-12, 1e-9, 0.5e-6, 0.99e-6, 1.01e-6, 2e-6, 1e-3]))
-    angle, sign = rng.uniform(-math.pi, math.pi), rng.choice([-1.0, 1.0])
+    angle = rng.uniform(-math.pi, math.pi)
+    sign = rng.choice([-1.0, 1.0])
     yield Answer("best", scenario, path, *known)
     place = int(rng.integers(k.size + 1))
     turned = np.insert(k, place, sign / radius), np.insert(s, place, 2 * math.pi * radius)
@@ -144,12 +156,15 @@ def answers(
     if len(via) > 1:
         yield Answer("wrong order", replace(scenario, via=scenario.via[::-1]), path)
     fewer = replace(scenario, via=scenario.via[:place] + scenario.via[place + 1 :])
-    if (found := Analytic().solve(Question(fewer), TOLERANCES.search_s).path) is not None:
-        yield Answer("skipped point", scenario, found, *known)
+    if (shortcut := Analytic().solve(Question(fewer), TOLERANCES.search_s).path) is not None:
+        yield Answer("skipped point", scenario, shortcut, *known)
 
 
 def own_points(rng: Rng) -> Answer:
-    """Any path, before the question of points on it, its end and, mostly, its final heading."""
+    """Any path, with a question made from it.
+
+    The question has points on the path, its end and, mostly, its final heading.
+    """
     n = int(rng.integers(2, 7))
     rates = rng.choice([-1.0, 0.0, 1.0, rng.uniform(-1, 1)], n)
     lengths = rng.exponential(rng.choice([0.3, 1.0, 3.0]), n)
@@ -164,63 +179,68 @@ def own_points(rng: Rng) -> Answer:
 
 
 def attacked(table: Table, seed: int, number: int) -> None:
-    """One scenario: what `analytic` says of it, and each answer before the check."""
+    """Check `analytic` and all answers of one scenario."""
     rng = np.random.default_rng((seed, number, 3))
     table.generator, scenario = scenario_of(seed, number)
     solution = Analytic().solve(Question(scenario), TOLERANCES.search_s)
-    path, low = solution.path, solution.lower_bound
+    path = solution.path
+    low = solution.lower_bound
     assert path is not None
     assert low is not None
-    judged = judge(scenario, path, solution.claim, tolerances=TOLERANCES)
-    certificate = certify(scenario, path, judged, lower_bound=low, tolerances=TOLERANCES)
+    judgement = judge(scenario, path, solution.claim, tolerances=TOLERANCES)
+    certificate = certify(scenario, path, judgement, lower_bound=low, tolerances=TOLERANCES)
     allowed = [Verdict.OPTIMAL]
     if solution.claim is not Claim.OPTIMAL:
         allowed += Verdict.UNDECIDED, Verdict.LONGER
-    wrong = judged.verdict not in allowed or judged.false_claim or certificate.false_bound
+    wrong = judgement.verdict not in allowed or judgement.false_claim or certificate.false_bound
     table.note("route claim", wrong, f"solve({paste(scenario)})")
     known = (low, path.length)
     if not scenario.via:
         known = _leg(table, scenario, path.length, rng)
     try:
-        tried = [*answers(rng, scenario, path, known), own_points(rng)]
+        cases = [*answers(rng, scenario, path, known), own_points(rng)]
     except ScenarioError:  # two points have become one
         return
-    for answer in tried:
+    for answer in cases:
         _judged(table, answer)
 
 
 def _leg(table: Table, scenario: Scenario, length: float, rng: Rng) -> tuple[float, float]:
-    """The least and the most that a leg's length may be, by circles and tangents.
+    """Interval of a leg's length by circles and tangents.
 
     Its own length has to be one that the rounding of its data leaves open.
     """
-    s, radius = scenario, scenario.radius
+    s = scenario
+    radius = scenario.radius
     assert s.final_heading is not None
     leg = (s.target_x - s.x) / radius, (s.target_y - s.y) / radius, s.heading, s.final_heading
     room = 1e-13 * (1.0 + s.extent / radius)
     moved = np.vstack([np.zeros(4), rng.uniform(-room, room, (16, 4))]) + leg
-    own = [leg_length(*each, gap) for each in moved for gap in (0.0, _HIDDEN)]
-    apart = min(abs(length / radius - each) / (1.0 + each) for each in own)
-    table.note("leg length", apart * 1e9, f"solve({paste(s)})  # {min(own)} {max(own)}")
-    return min(own) * radius, max(own) * radius
+    leg_lengths = [leg_length(*each, gap) for each in moved for gap in (0.0, _HIDDEN)]
+    apart = min(abs(length / radius - each) / (1.0 + each) for each in leg_lengths)
+    table.note(
+        "leg length", apart * 1e9, f"solve({paste(s)})  # {min(leg_lengths)} {max(leg_lengths)}"
+    )
+    return min(leg_lengths) * radius, max(leg_lengths) * radius
 
 
 def _judged(table: Table, answer: Answer) -> None:
     table.generator, scenario, path, least, most = answer
-    judged = judge(scenario, path, Claim.OPTIMAL, tolerances=TOLERANCES)
-    line = f"{paste_path(scenario, 'best', path)}  # {judged.verdict}"
+    judgement = judge(scenario, path, Claim.OPTIMAL, tolerances=TOLERANCES)
+    line = f"{paste_path(scenario, 'best', path)}  # {judgement.verdict}"
     off = off_points(scenario, path)
     if abs(off - 1.0) > 1e-3:
-        table.note("route arrival", (off > 1.0) != (judged.verdict is Verdict.MISSES), line)
-    if judged.verdict is Verdict.MISSES:
+        table.note("route arrival", (off > 1.0) != (judgement.verdict is Verdict.MISSES), line)
+    if judgement.verdict is Verdict.MISSES:
         return
     interval = reference_of(scenario, tolerances=TOLERANCES).enclosure
-    low, scale = interval.low, max(interval.low, scenario.radius)
-    certificate = certify(scenario, path, judged, lower_bound=low, tolerances=TOLERANCES)
+    low = interval.low
+    scale = max(interval.low, scenario.radius)
+    certificate = certify(scenario, path, judgement, lower_bound=low, tolerances=TOLERANCES)
     length = path.length
-    wrong = judged.verdict is Verdict.OPTIMAL and length - most > 1.01 * TOLERANCES.gap * scale
-    wrong |= judged.verdict is Verdict.LONGER and length - least <= 0.99 * TOLERANCES.gap * scale
-    wrong |= judged.false_claim != (judged.verdict is Verdict.LONGER)
+    wrong = judgement.verdict is Verdict.OPTIMAL and length - most > 1.01 * TOLERANCES.gap * scale
+    wrong |= judgement.verdict is Verdict.LONGER and length - least <= 0.99 * TOLERANCES.gap * scale
+    wrong |= judgement.false_claim != (judgement.verdict is Verdict.LONGER)
     table.note("route verdict", wrong, line)
     # what misses its points by more than rounding may be shorter by a turn that begins there
     if off < 1e-7:

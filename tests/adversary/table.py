@@ -1,4 +1,4 @@
-"""What was tried, the worst that was seen, and the first counterexample of each check."""
+"""Counts, worst deviation and first counterexample of each check."""
 
 from dataclasses import dataclass, field
 from typing import NamedTuple, Self
@@ -10,7 +10,7 @@ from dubins_study.study.scenario import Scenario
 
 
 class Check(NamedTuple):
-    """The largest deviation that is allowed, its unit, and what the check promises."""
+    """A check: allowed deviation, unit and promise."""
 
     allowed: float
     unit: str
@@ -67,14 +67,20 @@ class Cell:
 
 @dataclass
 class Table:
-    """Counts by check and generator; `first` holds each check's first counterexample."""
+    """Counts by check and generator.
+
+    `first` holds each check's first counterexample.
+    """
 
     generator: str = ""
     cells: dict[tuple[str, str], Cell] = field(default_factory=dict)
     first: dict[str, str] = field(default_factory=dict)
 
     def note(self, check: str, deviation: float, line: str) -> None:
-        """Count one case; a deviation that is not within the allowed one is a counterexample."""
+        """Count one case.
+
+        A deviation that is not within the allowed one is a counterexample.
+        """
         wrong = not deviation <= CHECKS[check].allowed
         cell = self.cells.setdefault((check, self.generator), Cell())
         cell.add(1, float(deviation), wrong)
@@ -91,7 +97,7 @@ class Table:
         return sum(cell.wrong for cell in self.cells.values())
 
     def __str__(self) -> str:
-        """Each check and generator, then each check alone, then what failed."""
+        """Rows by check and generator, by check, and failures."""
         rows = [(*key, cell.cases, cell.worst, cell.wrong) for key, cell in self.cells.items()]
         each = pd.DataFrame(rows, columns=["check", "generator", "cases", "worst", "wrong"])
         checks = each.groupby("check", sort=False).agg(
@@ -107,7 +113,10 @@ class Table:
 
 
 def paste(scenario: Scenario, branch: str = "") -> str:
-    """The scenario and the branch as arguments of a call, with `S = Scenario`."""
+    """Arguments of a call: the scenario and the branch.
+
+    The text needs `S = Scenario`.
+    """
     s = scenario
     numbers = [*map(repr, (s.x, s.y, s.heading, s.target_x, s.target_y, s.radius))]
     if s.via or s.final_heading is not None:

@@ -1,4 +1,4 @@
-"""The campaign finds nothing in the package, and finds what is put into it."""
+"""The campaign passes the package and finds planted faults."""
 
 import math
 from collections.abc import Callable
@@ -22,13 +22,17 @@ PARTS = 10  # of the slow run, so that they are shared out among the workers
 
 
 def test_no_counterexample_in_few_cases(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Every generator meets every check; a bound of a route that is hardly too high is seen."""
-    table, spoilt = run(SEED, 0, FEW), Table()
-    found = [routes.attack(table, 0, number) for number in range(1, 5)]
+    """Every generator meets every check without a counterexample.
+
+    A bound of a route that is hardly too high is seen.
+    """
+    table = run(SEED, 0, FEW)
+    spoilt = Table()
+    lengths = [routes.attack(table, 0, number) for number in range(1, 5)]
 
     assert table.wrong == 0, str(table)
     assert {check for check, _ in table.cells} == set(CHECKS)
-    assert found == pytest.approx(routes.LENGTHS[1:5], rel=1e-6)
+    assert lengths == pytest.approx(routes.LENGTHS[1:5], rel=1e-6)
     right = routes.search
     monkeypatch.setattr(routes, "search", lambda *a, **o: _raised(right(*a, **o)))
     routes.attack(spoilt, 0, 1)
@@ -43,7 +47,7 @@ def _raised(route: Route) -> Route:
 @pytest.mark.timeout(1200)
 @pytest.mark.parametrize("part", range(PARTS))
 def test_no_counterexample(part: int) -> None:
-    """Of all cases, by parts."""
+    """Every case passes; the cases come in parts."""
     size = ALL // PARTS
     table = Table()
     for low in range(part * size, (part + 1) * size, 500):
@@ -56,10 +60,13 @@ def test_no_counterexample(part: int) -> None:
 @pytest.mark.timeout(1200)
 @pytest.mark.parametrize("part", range(PARTS))
 def test_no_bound_is_above_a_length_that_was_found(part: int) -> None:
-    """Where one is, its route is attacked anew: rounding may put its points elsewhere."""
+    """No bound is above a length of an attack.
+
+    Where one is, its route is attacked anew: rounding may put its points elsewhere.
+    """
     table = Table()
     for number in range(part, ROUTES, PARTS):
-        low = routes.proven(routes.drawn(number, 0)[1], number).low
+        low = routes.proven(routes.route_of_seed(number, 0)[1], number).low
         if low * (1.0 - routes.TOLERANCE) > routes.LENGTHS[number]:
             routes.attack(table, 0, number)
 
@@ -70,7 +77,10 @@ def test_no_bound_is_above_a_length_that_was_found(part: int) -> None:
 @pytest.mark.timeout(1200)
 @pytest.mark.parametrize("seed", range(12))
 def test_lattice_routes_close(seed: int) -> None:
-    """Points and headings of round numbers, often on turning circles: closed, and not beaten."""
+    """Lattice routes close, and no attack beats them.
+
+    Their points and headings are round numbers, often on turning circles.
+    """
     rng = np.random.default_rng((18, seed))
     steps = rng.integers(-3, 4, (2 + seed % 4, 2))
     steps[~steps.any(axis=1)] = 1, 1
@@ -79,10 +89,10 @@ def test_lattice_routes_close(seed: int) -> None:
     asked = routes.Asked(points, first, None if rng.random() < 0.5 else last)
 
     route = search(*asked, limit=60.0, tolerance=1e-9)
-    found = routes.attacked(asked, rng)
+    length = routes.attacked(asked, rng)
 
     assert route.closed
-    assert found >= route.low * (1.0 - routes.tolerated(asked))
+    assert length >= route.low * (1.0 - routes.tolerated(asked))
 
 
 def _longer(path: Path | None) -> Path | None:
@@ -126,7 +136,10 @@ def _swapped(judged: Any) -> Any:
 @pytest.mark.many(4)
 @pytest.mark.parametrize("check", SPOILT)
 def test_campaign_sees_what_is_spoilt(check: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    """A result altered by little, or by one flag, is a counterexample of its check."""
+    """A spoilt result is a counterexample of its check.
+
+    It is altered by little, or by one flag.
+    """
     room, name, spoil = SPOILT[check]
     right = getattr(room, name)
     monkeypatch.setattr(room, name, lambda *args, **options: spoil(right(*args, **options)))

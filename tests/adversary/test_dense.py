@@ -1,4 +1,7 @@
-"""Dense tracks have sane routes, whatever the limit, and limits that hold."""
+"""Dense tracks have sane routes and honest limits.
+
+That holds whatever the limit of time.
+"""
 
 import gc
 from time import process_time
@@ -23,8 +26,11 @@ LATE_S = 0.3  # what solving may take beyond its limit
 @pytest.mark.parametrize("limit", [1.0, 3.0])
 @pytest.mark.parametrize("seed", range(12))
 def test_dense_tracks_have_sane_routes(seed, limit):
-    """Of 50 to 5 000 points, with a limit: a sane path, an honest interval, in time."""
-    _, points, first = dense.drawn(seed)
+    """A sane path, an honest interval, in time.
+
+    The tracks have 50 to 5 000 points; the search has a limit.
+    """
+    _, points, first = dense.track_of_seed(seed)
     bisecting, program = dense.lengths(points, first)
     (x, y), *via, (target_x, target_y) = points.tolist()
     scenario = Scenario(x, y, first, target_x, target_y, via=[tuple(point) for point in via])
@@ -49,22 +55,28 @@ def test_dense_tracks_have_sane_routes(seed, limit):
 @pytest.mark.many(1)
 @pytest.mark.parametrize("seed", [5, 7, 15])
 def test_more_effort_makes_no_path_longer(seed):
-    """The search does the same work in the same order, and keeps the best route."""
-    _, points, first = dense.drawn(seed)
+    """More effort makes no path longer.
+
+    The search does the same work in the same order, and keeps the best route.
+    """
+    _, points, first = dense.track_of_seed(seed)
     bisecting, program = dense.lengths(points, first)
 
-    found = [search(points, first, boxes=boxes) for boxes in (0, 1_000, 10_000, 100_000)]
+    searches = [search(points, first, boxes=boxes) for boxes in (0, 1_000, 10_000, 100_000)]
 
-    lengths = [route.length for route in found]
+    lengths = [route.length for route in searches]
     assert lengths[0] <= SANE * min(bisecting, program)
     assert lengths == sorted(lengths, reverse=True)
-    assert [route.low for route in found] == sorted(route.low for route in found)
+    assert [route.low for route in searches] == sorted(route.low for route in searches)
 
 
 @pytest.mark.smoke
 @pytest.mark.parametrize(("points", "spacing"), [(200, 0.2), (5000, 0.5)])
 def test_the_first_route_of_a_circle_has_no_loops(points, spacing):
-    """Points on a circle of 5R; no effort is spent but for the first route."""
+    """The first route of a circle has no loops.
+
+    Its points lie on a circle of 5R. No effort is spent but for the first route.
+    """
     track = dense.circle(points, spacing, radius=5.0)
 
     route = search(track, 0.0, boxes=0)

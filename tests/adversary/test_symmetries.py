@@ -1,4 +1,6 @@
-"""What leaves the shortest length: of legs and routes, the final heading free or given.
+"""Symmetries leave the shortest length.
+
+They are tried on legs and routes, with the final heading free or given.
 
 Compared are the proven intervals, which have to overlap, and the lengths of the paths where both
 intervals are narrow: a length may jump within the rounding of the data.
@@ -25,7 +27,10 @@ ANGLES = st.floats(-3, 3)
 
 @st.composite
 def routes(draw: st.DrawFn) -> Scenario:
-    """One leg to four, of 0.5 R to 6 R."""
+    """Routes of one leg to four.
+
+    A leg is 0.5 R to 6 R long.
+    """
     steps = draw(st.lists(st.tuples(st.floats(0.5, 6), ANGLES), min_size=1, max_size=4))
     _, *via, (x, y) = walked(*np.array(steps).T)
     final = draw(st.none() | ANGLES)
@@ -34,9 +39,15 @@ def routes(draw: st.DrawFn) -> Scenario:
 
 @st.composite
 def images(draw: st.DrawFn) -> tuple[Scenario, Scenario]:
-    """A scenario, and its mirror image or itself, turned, scaled and shifted."""
-    scenario, turn, scale = draw(routes()), draw(ANGLES), draw(st.sampled_from([1, 17.0, 1e-3]))
-    side, by = draw(st.sampled_from([1, -1])), draw(st.sampled_from([(0, 0), (30.0, -70.0)]))
+    """A scenario and its image.
+
+    The image is mirrored or not, turned, scaled and shifted.
+    """
+    scenario = draw(routes())
+    turn = draw(ANGLES)
+    scale = draw(st.sampled_from([1, 17.0, 1e-3]))
+    side = draw(st.sampled_from([1, -1]))
+    by = draw(st.sampled_from([(0, 0), (30.0, -70.0)]))
     c, s = scale * math.cos(turn), scale * math.sin(turn)
     points = scenario.points * (1, side) @ np.array([[c, s], [-s, c]]) + np.multiply(by, scale)
     first, last = scenario.heading, scenario.final_heading
@@ -67,7 +78,10 @@ def test_mirror_turn_scale_and_shift_leave_the_length(pair):
 
 @given(routes(), ANGLES)
 def test_reversal_in_time_leaves_the_length(scenario, last):
-    """With both headings given."""
+    """Reversal in time leaves the length.
+
+    Both headings are given.
+    """
     first = scenario.heading
     back = through(scenario.points[::-1], last + math.pi, first + math.pi)
     compared(replace(scenario, final_heading=last), back)
@@ -75,7 +89,11 @@ def test_reversal_in_time_leaves_the_length(scenario, last):
 
 @given(routes())
 def test_a_via_point_on_the_shortest_path_leaves_the_length(scenario):
-    """In the middle of its longest straight: on an arc, rounding may put it inside the circle."""
+    """A via point on the shortest path changes nothing.
+
+    It lies in the middle of the longest straight: on an arc, rounding may put it inside the
+    circle.
+    """
     path = reference_of(scenario, tolerances=QUICK).path
     straights = np.where(path.curvatures == 0, path.lengths, 0)
     longest = int(np.argmax(straights))

@@ -1,4 +1,7 @@
-"""The search for tours: beside all orders, grids of headings, symmetries and random tours."""
+"""The search for tours against independent answers.
+
+They come from all orders, grids of headings, symmetries and random tours.
+"""
 
 import math
 from dataclasses import replace
@@ -15,37 +18,47 @@ from tests.adversary.tours import (
     any_tour,
     by_all_orders,
     by_grid,
-    drawn,
     length_through,
     mapped,
+    random_tour,
     tour_of,
 )
 
 # square root of the square's area a point: 1.5 and 3 radii are dense, where orders are hard to tell
 DENSE = (1.0, 1.5, 3.0)
-SETS, SMALL, PARTS = 200, 24, 20
+SETS = 200
+SMALL = 24
+PARTS = 20
 
 
 def checked_by_all_orders(seed: int, points: int) -> None:
-    """The tour found is no longer than the best order; its lower end is no longer than any."""
-    rng = np.random.default_rng((34, seed))
-    scenario = drawn(rng, KINDS[seed % len(KINDS)], points, DENSE[seed % 3] * math.sqrt(points))
+    """Tours whose answer agrees with all orders.
 
-    found = tour_of(scenario)
-    best = by_all_orders(scenario, found.high)
+    The tour is no longer than the best order. Its lower end is no longer than any order's.
+    """
+    rng = np.random.default_rng((34, seed))
+    scenario = random_tour(
+        rng, KINDS[seed % len(KINDS)], points, DENSE[seed % 3] * math.sqrt(points)
+    )
+
+    tour = tour_of(scenario)
+    best = by_all_orders(scenario, tour.high)
 
     room = 1e-12 * best.high
-    assert found.low <= best.high + room, scenario
-    assert found.high >= best.low - room, scenario
-    assert found.high <= best.high * (1.0 + 2.0 * CLOSE) + room, scenario
-    assert found.path.length <= found.high + room
+    assert tour.low <= best.high + room, scenario
+    assert tour.high >= best.low - room, scenario
+    assert tour.high <= best.high * (1.0 + 2.0 * CLOSE) + room, scenario
+    assert tour.path.length <= tour.high + room
 
 
 @pytest.mark.smoke
 @pytest.mark.many(12)
 @pytest.mark.parametrize("seed", range(SMALL))
 def test_few_points_are_those_of_the_best_order(seed: int) -> None:
-    """Of every kind of ends, in three densities."""
+    """Few points are visited in the best order.
+
+    There are all kinds of ends, in three densities.
+    """
     checked_by_all_orders(seed, 2 + seed % 3)
 
 
@@ -53,7 +66,10 @@ def test_few_points_are_those_of_the_best_order(seed: int) -> None:
 @pytest.mark.timeout(1800)
 @pytest.mark.parametrize("part", range(PARTS if WHOLE else 6))
 def test_dense_points_are_those_of_the_best_order(part: int) -> None:
-    """Sets of 3 to 6 points: 200 in the whole attack."""
+    """Dense points are visited in the best order.
+
+    Each set has 3 to 6 points; the whole attack has 200 sets.
+    """
     for seed in range(SMALL + part, SMALL + SETS, PARTS):
         checked_by_all_orders(seed, 6 if seed % 30 == 0 else 3 + seed % 3)
 
@@ -81,7 +97,7 @@ SYMMETRIES = {
 @pytest.mark.parametrize("name", SYMMETRIES)
 @pytest.mark.parametrize("kind", KINDS)
 def test_symmetric_tours_are_as_long(kind: str, name: str) -> None:
-    scenario = drawn(np.random.default_rng((KINDS.index(kind), 2)), kind, 5, 12.0)
+    scenario = random_tour(np.random.default_rng((KINDS.index(kind), 2)), kind, 5, 12.0)
     change, turn, mirror, scale = SYMMETRIES[name]
 
     agree(tour_of(scenario), tour_of(mapped(scenario, change, turn, mirror, scale)), scale)
@@ -92,7 +108,7 @@ def test_symmetric_tours_are_as_long(kind: str, name: str) -> None:
 @pytest.mark.parametrize("kind", KINDS)
 def test_points_in_another_order_are_the_same_tour(kind: str) -> None:
     rng = np.random.default_rng((KINDS.index(kind), 3))
-    scenario = drawn(rng, kind, 6, 15.0)
+    scenario = random_tour(rng, kind, 6, 15.0)
     via = [scenario.via[i] for i in rng.permutation(6)]
 
     agree(tour_of(scenario), tour_of(replace(scenario, via=via)))
@@ -102,25 +118,31 @@ def test_points_in_another_order_are_the_same_tour(kind: str) -> None:
 @pytest.mark.many(4)
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_point_on_the_best_tour_leaves_the_length(kind: str) -> None:
-    """With the heading there or without it."""
+    """A point on the best tour leaves the length.
+
+    It has its heading there, or none.
+    """
     rng = np.random.default_rng((KINDS.index(kind), 4))
-    scenario = drawn(rng, kind, 5, 14.0)
-    found = tour_of(scenario)
-    x, y, heading = found.path.at(rng.uniform(0.2, 0.8) * found.path.length)[0].tolist()
+    scenario = random_tour(rng, kind, 5, 14.0)
+    tour = tour_of(scenario)
+    x, y, heading = tour.path.at(rng.uniform(0.2, 0.8) * tour.path.length)[0].tolist()
 
     for point in ((x, y), (x, y, heading)):
         more = tour_of(replace(scenario, via=[*scenario.via, point]))
-        assert more.low <= found.high * (1.0 + 1e-9)
-        assert more.high >= found.low * (1.0 - 1e-9)
-        assert more.high <= found.high * (1.0 + 1e-7)
+        assert more.low <= tour.high * (1.0 + 1e-9)
+        assert more.high >= tour.low * (1.0 - 1e-9)
+        assert more.high <= tour.high * (1.0 + 1e-7)
 
 
 @pytest.mark.smoke
 @pytest.mark.parametrize("seed", range(3))
 def test_a_closed_tour_is_as_long_the_other_way_round(seed: int) -> None:
-    """With all headings turned by half a turn."""
+    """A closed tour is as long when reversed.
+
+    All headings are turned by half a turn.
+    """
     rng = np.random.default_rng((seed, 5))
-    scenario = drawn(rng, "closed", 5, 12.0)
+    scenario = random_tour(rng, "closed", 5, 12.0)
     headed = replace(scenario, via=[(*scenario.via[0], 1.0), *scenario.via[1:]])
     for one in (scenario, headed):
         other = mapped(one, lambda x, y: (x, y), math.pi, 1, 1.0)
@@ -131,16 +153,20 @@ def test_a_closed_tour_is_as_long_the_other_way_round(seed: int) -> None:
 @pytest.mark.many(6)
 @pytest.mark.parametrize("seed", range(14))
 def test_no_random_tour_is_shorter_than_the_lower_end(seed: int) -> None:
-    """A thousand of them in all, and those of the best order with headings near the best ones."""
+    """No random tour is below the lower end.
+
+    A thousand are tried in all, and those of the best order with headings near the best ones.
+    """
     rng = np.random.default_rng((34, seed, 6))
     kind = KINDS[seed % len(KINDS)]
-    scenario = drawn(rng, kind, 7, (4.0, 8.0)[seed % 2] * math.sqrt(7))
-    found = tour_of(scenario)
+    scenario = random_tour(rng, kind, 7, (4.0, 8.0)[seed % 2] * math.sqrt(7))
+    tour = tour_of(scenario)
 
     for _ in range(75):
-        assert any_tour(scenario, rng) >= found.low
-    poses = found.path.at(np.array([0.0, *found.at, found.path.length]))
-    headings, places = poses[:, 2], poses[1 : len(scenario.via) + 1, :2]
+        assert any_tour(scenario, rng) >= tour.low
+    poses = tour.path.at(np.array([0.0, *tour.at, tour.path.length]))
+    headings = poses[:, 2]
+    places = poses[1 : len(scenario.via) + 1, :2]
     points = np.array([stop[:2] for stop in scenario.stops[: len(scenario.via)]])
     order = np.argmin(np.hypot(*(places[:, None] - points[None]).transpose(2, 0, 1)), axis=1)
     given = [scenario.heading, *(scenario.stops[i].heading for i in order)]
@@ -152,7 +178,7 @@ def test_no_random_tour_is_shorter_than_the_lower_end(seed: int) -> None:
         ]
         if scenario.closed:
             moved[-1] = moved[0]
-        assert length_through(scenario, order.tolist(), moved) >= found.low
+        assert length_through(scenario, order.tolist(), moved) >= tour.low
 
 
 # comrob/gdip, python/problems/gdip-n10.txt at f32ca16; radius 1
@@ -190,38 +216,47 @@ KAYA = {
 @pytest.mark.slow
 @pytest.mark.timeout(600)
 def test_ten_published_points_beside_a_grid_of_headings() -> None:
-    """Held and Karp's program over orders and headings finds none shorter, and nearly the same."""
+    """A grid of headings beats no published ten points.
+
+    Held and Karp's program over orders and headings finds nearly the same length.
+    """
     (x, y), *via, (target_x, target_y) = GDIP
     scenario = Scenario(x, y, 0.0, target_x, target_y, via=via, order="free")
-    found = tour_of(scenario)
+    tour = tour_of(scenario)
     grid = by_grid(scenario, 24)
 
-    assert found.high - found.low <= 1e-8 * found.high
-    assert found.low <= grid <= 1.05 * found.high
+    assert tour.high - tour.low <= 1e-8 * tour.high
+    assert tour.low <= grid <= 1.05 * tour.high
     in_order = replace(scenario, order="given")
-    assert found.high < tour_of(in_order).low
+    assert tour.high < tour_of(in_order).low
 
 
 @pytest.mark.smoke
 @pytest.mark.parametrize("bound", BEHDANI)
 def test_published_bounds_of_discs_are_below_the_tours_of_their_centres(bound: float) -> None:
-    """A closed tour from the first centre, whatever its heading there."""
+    """Published bounds of discs are below their centres' tours.
+
+    A tour is closed, from the first centre, whatever its heading there.
+    """
     (x, y), *via = BEHDANI[bound]
     for heading in (0.0, 2.0, -2.0):
-        found = tour_of(Scenario(x, y, heading, via=via, order="free", closed=True))
-        assert found.high >= bound
-        assert found.low <= found.high <= 1.3 * bound
+        tour = tour_of(Scenario(x, y, heading, via=via, order="free", closed=True))
+        assert tour.high >= bound
+        assert tour.low <= tour.high <= 1.3 * bound
 
 
 @pytest.mark.slow
 @pytest.mark.timeout(600)
 @pytest.mark.parametrize("example", KAYA)
 def test_published_routes_with_their_order_free(example: int) -> None:
-    """Never longer than in the order that is printed; a grid of headings finds none shorter."""
+    """A free order is never longer than the printed.
+
+    A grid of headings finds no shorter tour.
+    """
     curvature, via, start, end, first, last, printed = KAYA[example]
     scenario = Scenario(*start, first, *end, 1 / curvature, via=via, final_heading=last)
-    found = tour_of(replace(scenario, order="free"))
+    tour = tour_of(replace(scenario, order="free"))
 
-    assert found.low <= min(printed, tour_of(scenario).high)
-    assert found.low <= found.high <= tour_of(scenario).high * (1.0 + 1e-9)
-    assert found.low <= by_grid(scenario, 12)
+    assert tour.low <= min(printed, tour_of(scenario).high)
+    assert tour.low <= tour.high <= tour_of(scenario).high * (1.0 + 1e-9)
+    assert tour.low <= by_grid(scenario, 12)

@@ -1,4 +1,7 @@
-"""Random tours, and what the best of them cost: all orders one by one, or headings of a grid."""
+"""Random tours and the cost of the best.
+
+The cost comes from all orders one by one, or from headings of a grid.
+"""
 
 from __future__ import annotations
 
@@ -24,15 +27,18 @@ CLOSE = 1e-8  # of the length: what searches are asked for here
 
 
 class Shortest(NamedTuple):
-    """A proven interval around the shortest length, and the order of a tour as short."""
+    """Proven interval and best order of a tour."""
 
     low: float
     high: float
     order: tuple[int, ...]
 
 
-def drawn(rng: np.random.Generator, kind: str, points: int, side: float) -> Scenario:
-    """A tour of points in a square, in radii of 1."""
+def random_tour(rng: np.random.Generator, kind: str, points: int, side: float) -> Scenario:
+    """A random tour of points in a square.
+
+    The radius is 1.
+    """
     via: list[Any] = rng.uniform(0.0, side, (points, 2)).tolist()
     heading: float | None = rng.uniform(-3.0, 3.0)
     x, y = rng.uniform(0.0, side, 2)
@@ -62,16 +68,19 @@ def tour_of(scenario: Scenario) -> ShortestRoute:
 
 
 def by_all_orders(scenario: Scenario, length: float) -> Shortest:
-    """Each order searched as a route, only for what is no longer than `length` and the best so far.
+    """Interval of the best tour, by searching every order.
 
-    If no order is that short, the lower end is above `length`.
+    Each order is searched as a route. The search ends where a route is longer than `length` or
+    than the best so far. If no order is that short, the lower end is above `length`.
     """
-    low, best, order = math.inf, math.inf, ()
+    low = math.inf
+    best = math.inf
+    order = ()
     start = np.array([scenario.x, scenario.y])
-    for tried in permutations(range(len(scenario.via))):
-        stops = [scenario.stops[i] for i in tried] + list(scenario.stops[len(tried) :])
+    for permutation in permutations(range(len(scenario.via))):
+        stops = [scenario.stops[i] for i in permutation] + list(scenario.stops[len(permutation) :])
         places = np.array([stop[:2] for stop in stops])
-        found = search(
+        route = search(
             np.vstack([np.zeros(2), (places - start) / scenario.radius]),
             scenario.heading,
             stops[-1].heading,
@@ -81,14 +90,18 @@ def by_all_orders(scenario: Scenario, length: float) -> Shortest:
             tolerance=CLOSE,
             cutoff=min(best, length / scenario.radius) * (1.0 + CLOSE),
         )
-        low = min(low, found.low)
-        if found.length < best:
-            best, order = found.length, tried
+        low = min(low, route.low)
+        if route.length < best:
+            best = route.length
+            order = permutation
     return Shortest(low * scenario.radius, best * scenario.radius, order)
 
 
 def length_through(scenario: Scenario, order: Sequence[int], headings: Sequence[float]) -> float:
-    """The length of one tour by closed forms: headings at its start and all stops in turn."""
+    """Length of one tour by closed forms.
+
+    Headings are given at its start and at all stops in turn.
+    """
     stops = [scenario.stops[i] for i in order] + list(scenario.stops[len(order) :])
     places = [(scenario.x, scenario.y), *(stop[:2] for stop in stops)]
     poses = [Pose(*place, angle) for place, angle in zip(places, headings, strict=True)]
@@ -97,7 +110,10 @@ def length_through(scenario: Scenario, order: Sequence[int], headings: Sequence[
 
 
 def any_tour(scenario: Scenario, rng: np.random.Generator) -> float:
-    """The length of a tour with a random order, and random headings where none is given."""
+    """Length of a random tour.
+
+    The order is random, and so are headings where none is given.
+    """
     order = rng.permutation(len(scenario.via)).tolist()
     stops = [scenario.stops[i] for i in order] + list(scenario.stops[len(order) :])
     given = [scenario.heading, *(stop.heading for stop in stops)]
@@ -108,7 +124,10 @@ def any_tour(scenario: Scenario, rng: np.random.Generator) -> float:
 
 
 def by_grid(scenario: Scenario, size: int) -> float:
-    """The shortest tour to a target whose headings are of a grid, by Held and Karp's program."""
+    """Shortest tour with headings of a grid.
+
+    The tour ends at a target. The method is Held and Karp's program.
+    """
     n = len(scenario.via)
     circle = np.linspace(-math.pi, math.pi, size, endpoint=False)
     poses = [[Pose(x, y, angle) for angle in circle] for x, y in scenario.via]
@@ -117,8 +136,8 @@ def by_grid(scenario: Scenario, size: int) -> float:
         ends = [Pose(*scenario.stops[-1][:2], scenario.final_heading)]
 
     def lengths(some: list[Pose], others: list[Pose]) -> FloatArray:
-        found = [shortest_to_pose(one, other, scenario.radius) for one in some for other in others]
-        return np.array([leg.total for leg in found if leg]).reshape(len(some), len(others))
+        legs = [shortest_to_pose(one, other, scenario.radius) for one in some for other in others]
+        return np.array([leg.total for leg in legs if leg]).reshape(len(some), len(others))
 
     between = {(i, j): lengths(poses[i], poses[j]) for i in range(n) for j in range(n) if i != j}
     costs = {(1 << i, i): lengths([scenario.start], poses[i])[0] for i in range(n)}
@@ -139,7 +158,10 @@ def by_grid(scenario: Scenario, size: int) -> float:
 
 
 def mapped(scenario: Scenario, change: Any, turn: float, mirror: int, scale: float) -> Scenario:
-    """The scenario with its points moved, and its headings mirrored and turned."""
+    """The scenario moved, mirrored and turned.
+
+    `change` moves its points; its headings are mirrored and turned.
+    """
 
     def headed(angle: float | None) -> float | None:
         return None if angle is None else mirror * angle + turn

@@ -1,4 +1,7 @@
-"""What is true of a scenario: its exact target, and the set of targets that its data leave open."""
+"""The truth of a scenario: targets and lengths.
+
+It has the exact target, and the set of targets that the data leave open.
+"""
 
 import math
 from collections.abc import Iterator
@@ -17,7 +20,10 @@ _EDGES = {"best": (0, 1), "LS": (0,), "RS": (1,), "RL": (0, 1, 2), "LR": (1, 0, 
 
 
 class Member(NamedTuple):
-    """A target of the set, its lengths, and which side of every edge it lies on."""
+    """A target of the set and its lengths.
+
+    It also says on which side of every edge the target lies.
+    """
 
     target: acb
     lengths: dict[str, arb | None]
@@ -25,19 +31,23 @@ class Member(NamedTuple):
 
 
 class Truth:
-    """What is true of a scenario: at its exact target and over the set of its targets.
+    """The truth at the exact target and around it.
 
     Every method has to be called within `ctx.workprec(bits(scenario))`. Lengths are in radii.
     """
 
     def __init__(self, target: acb, delta: arb) -> None:
-        self.target, self.delta = target, delta
+        self.target = target
+        self.delta = delta
         self.exact = lengths(target, driven=True)
         self._members: list[Member] | None = None
 
     @classmethod
     def of(cls, scenario: Scenario) -> Self:
-        """The exact target, and the set around it: what the data leave open, and a rotation."""
+        """The exact target and the set around it.
+
+        The set holds what the data leave open, and a rotation.
+        """
         X, Y = local(scenario)
         given = scenario.x, scenario.y, scenario.target_x, scenario.target_y
         extent = sum((abs(arb(value)) for value in given), arb(0))
@@ -51,7 +61,10 @@ class Truth:
         return side(abs(off.real) - room) <= 0 and side(abs(off.imag) - room) <= 0
 
     def touches(self, branch: str, stretch: float = 1.0) -> bool:
-        """Whether the set, made `stretch` times as wide, meets an edge of the branch."""
+        """Whether the set meets an edge of the branch.
+
+        The set is first made `stretch` times as wide.
+        """
         room = self.delta * stretch
         if self.has(acb(0), stretch):
             return True
@@ -71,14 +84,20 @@ class Truth:
 
     @property
     def members(self) -> list[Member]:
-        """A sample of the set: the target first, then corners and all points next to edges."""
+        """A sample of the set.
+
+        The target comes first, then corners and all points next to edges.
+        """
         if self._members is None:
             wanted = [self.target, *self._corners(), *self._edge_points()]
             self._members = [self.member(point) for point in wanted if self.has(point)]
         return self._members
 
     def refine(self, rng: np.random.Generator, n: int = 150) -> None:
-        """Add n random targets of the set, and n on each circle that it meets."""
+        """Add n random targets of the set.
+
+        Another n are added on each circle that the set meets.
+        """
         self.members.extend(map(self.member, filter(self.has, self._random(rng, n))))
 
     def member(self, target: acb) -> Member:
@@ -93,7 +112,10 @@ class Truth:
                     yield self.target + acb(right, up) * self.delta
 
     def _edge_points(self) -> Iterator[acb]:
-        """On every circle and axis that the set meets, and just off it on both sides."""
+        """Points of every edge that the set meets.
+
+        They lie on circles and axes, and just off them on both sides.
+        """
         hair = self.delta / 2**40
         X, Y = self.target.real, self.target.imag
         for centre, radius in CIRCLES:
@@ -112,7 +134,10 @@ class Truth:
         yield from (acb(0, y) for y in (2, -2, 4, -4))
 
     def _onto(self, centre: acb, radius: int, point: acb) -> Iterator[acb]:
-        """The point of a circle in the direction of a target, and both sides of it."""
+        """Points of a circle towards a target.
+
+        One lies on the circle, the others on both sides of it.
+        """
         off = point - centre
         if side(square(off)) > 0:
             unit = off / square(off).sqrt()
@@ -128,7 +153,10 @@ class Truth:
                 yield from self._onto(centre, radius, point)
 
     def hulls(self, branch: str) -> list[tuple[arb, arb]]:
-        """Lengths between which the sampled targets of one side of all edges lie."""
+        """Intervals of the lengths of the sampled targets.
+
+        One interval for each side of all edges.
+        """
         sides: dict[tuple[int, ...], list[arb]] = {}
         for _, each, label in self.members:
             if (length := each[branch]) is not None:

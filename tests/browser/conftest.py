@@ -1,4 +1,7 @@
-"""A real Chromium, in which pages of the report are opened from files, without a network."""
+"""Fixtures of a real Chromium for report pages.
+
+Pages are opened from files, without a network.
+"""
 
 import os
 import shutil
@@ -25,7 +28,10 @@ def svg_alone() -> Iterator[None]:
 
 @pytest.fixture(scope="session")
 def chromium() -> Iterator[Browser]:
-    """Debian's or another Chromium on PATH; continuous integration must have one."""
+    """Debian's or another Chromium on PATH.
+
+    Continuous integration must have one.
+    """
     program = shutil.which("chromium") or shutil.which("chromium-browser")
     if program is None and not os.environ.get("CI"):
         pytest.skip("needs chromium on PATH")
@@ -38,7 +44,10 @@ def chromium() -> Iterator[Browser]:
 
 @pytest.fixture(scope="session")
 def report_page(tmp_path_factory: pytest.TempPathFactory) -> FilePath:
-    """`index.html` of a small report with a benchmark, the paper's problems and a radius sweep."""
+    """`index.html` of a small report.
+
+    It has a benchmark, the paper's problems and a radius sweep.
+    """
     with without_pdf_files():
         return small_report(tmp_path_factory.mktemp("small"))
 
@@ -77,7 +86,8 @@ def explorer(new_tab: Any, explorer_address: str) -> Any:
 
     def opened(text: str = "", **options: Any) -> Page:
         page: Page = new_tab(**options)
-        page.goto(f"{explorer_address}#explore={text}" if text else explorer_address)
+        place = f"#explore={text}" if text else ""
+        page.goto(f"{explorer_address}{place}")
         return page
 
     return opened

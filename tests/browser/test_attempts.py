@@ -1,4 +1,7 @@
-"""The plot of single attempts, the drawer of one, and the worst ten, driven as a reader does."""
+"""Attempts on the page, driven as by a reader.
+
+The plot, the drawer of one attempt, and the worst ten are used.
+"""
 
 import json
 import math
@@ -37,7 +40,10 @@ def solved(scenario: Scenario, solver: str, branch: str = "best") -> dict[str, A
 
 
 def rows() -> list[dict[str, Any]]:
-    """Three solvers at forty targets, and a few questions that are really asked."""
+    """Three solvers at forty targets.
+
+    A few questions are really asked.
+    """
     records = [solved(ODD, solver) for solver in ("analytic", RAW, LONG)]
     records.append(solved(ODD, "analytic", "RL"))
     for number in range(40):
@@ -79,7 +85,10 @@ def plot(new_tab, address: str):
 
 
 def drawn_part(page, name: str) -> None:
-    """Scroll to a part of the section, which is drawn when it comes near."""
+    """Scroll to a part of the section.
+
+    It is drawn when it comes near.
+    """
     page.locator(f"#attempts-{name}").scroll_into_view_if_needed()
     page.wait_for_selector(f"#attempts-{name}[data-ready=yes]")
 
@@ -90,7 +99,10 @@ def show(page, attempt_row: int) -> None:
 
 
 def row(page, solver: str, number: int = 0, branch: str = "best") -> int:
-    """The number of an attempt on the page: the solver's attempt at a scenario."""
+    """Number of an attempt on the page.
+
+    It is the solver's attempt at a scenario.
+    """
     return page.evaluate(
         """async ([solver, id, branch]) => {
             const data = await attempts.open();
@@ -105,7 +117,10 @@ def row(page, solver: str, number: int = 0, branch: str = "best") -> int:
 
 
 def position(page, attempt_row: int) -> tuple[float, float]:
-    """Where a coloured attempt is drawn, in pixels of the screen; the plot is scrolled there."""
+    """Position of a coloured attempt, in screen pixels.
+
+    The plot is scrolled there.
+    """
     page.locator("#attempts-plot .canvas").evaluate(
         "node => node.scrollIntoView({block: 'center'})"
     )
@@ -152,7 +167,10 @@ def test_the_library_is_started_only_for_those_who_look(new_tab, address: str):
 
 
 def test_every_attempt_is_a_point(plot):
-    """Those of chosen solvers are coloured; the text says how many have no place in the plot."""
+    """Every attempt is a point.
+
+    Those of chosen solvers are coloured. The text says how many have no place in the plot.
+    """
     page = plot()
     records = rows()
     gaps = sum(one["gap"] is not None for one in records)
@@ -172,7 +190,10 @@ def test_every_attempt_is_a_point(plot):
 
 @pytest.mark.slow
 def test_axes_are_chosen_and_named_with_their_units(plot):
-    """Logarithmic but for angles; zeros stand at the floor that the title names."""
+    """Axes are chosen and named with their units.
+
+    They are logarithmic but for angles; zeros stand at the floor that the title names.
+    """
     page = plot()
     page.get_by_label("horizontal").select_option("bearing")
     page.get_by_label("vertical").select_option("miss")
@@ -194,7 +215,10 @@ def test_axes_are_chosen_and_named_with_their_units(plot):
 
 @pytest.mark.slow
 def test_solvers_are_found_by_words_and_by_engine(plot):
-    """The list follows the filter; a group's button colours the group."""
+    """Solvers are filtered by words and by engine.
+
+    The list follows the filter; a group's button colours the group.
+    """
     page = plot()
     page.locator("details.solvers summary").click()
     page.locator("details.solvers").get_by_role("searchbox").fill("FINE")
@@ -227,7 +251,10 @@ def test_verdicts_are_filtered(plot):
 
 @pytest.mark.slow
 def test_a_point_says_what_it_is_when_the_pointer_is_over_it(plot):
-    """Its names and numbers, and names from outside as text."""
+    """The pointer over a point shows its facts.
+
+    It shows names and numbers, and names from outside as text.
+    """
     page = plot()
     choose(page, "mine")
     x, y = position(page, row(page, MINE, 1))
@@ -244,7 +271,10 @@ def test_a_point_says_what_it_is_when_the_pointer_is_over_it(plot):
 
 @pytest.mark.slow
 def test_a_box_and_the_wheel_zoom_and_all_can_be_shown_again(plot):
-    """Dragging a box narrows the axes to it; the wheel zooms with Ctrl held."""
+    """A box and the wheel zoom; all comes back.
+
+    Dragging a box narrows the axes to it; the wheel zooms with Ctrl held.
+    """
     page = plot()
     choose(page, "fine", "far")
     x, y = position(page, row(page, "fine", 20))
@@ -271,7 +301,10 @@ def test_a_box_and_the_wheel_zoom_and_all_can_be_shown_again(plot):
 
 
 def drawn_end(page) -> tuple[tuple[float, float], tuple[float, float], tuple[float, float]]:
-    """The last point of the solver's path, of the reference, and the target, in the drawing."""
+    """Ends in the drawing.
+
+    They are the last point of the solver's path and of the reference, and the target.
+    """
     return page.evaluate(
         """() => {
             const last = (name) => document.querySelector(`#attempt-drawer .${name}`)
@@ -284,7 +317,10 @@ def drawn_end(page) -> tuple[tuple[float, float], tuple[float, float], tuple[flo
 
 
 def test_a_click_opens_the_path_with_its_numbers(plot):
-    """The address names the attempt until Escape closes it; `next` shows others at its place."""
+    """A click opens the path with its numbers.
+
+    The address names the attempt until Escape closes it; `next` shows others at its place.
+    """
     page = plot()
     choose(page, "far")
     page.mouse.click(*position(page, row(page, "far", 11)))
@@ -316,7 +352,10 @@ def test_a_click_opens_the_path_with_its_numbers(plot):
 
 @pytest.mark.parametrize("solver", [RAW, LONG, "analytic"])
 def test_a_drawn_path_is_the_solvers(plot, solver: str):
-    """Of a few arcs and of twenty: it ends where the solver's controls lead to."""
+    """A drawn path ends where its controls lead.
+
+    The paths have a few arcs, and twenty.
+    """
     answer = solve(ODD, solver)
     page = plot()
     show(page, row(page, solver, -1))
@@ -341,12 +380,15 @@ POSE = Scenario(target_x=4, target_y=3, final_heading=2.0, label="pose")
 
 @pytest.mark.parametrize("scenario", [ROUTE, POSE], ids=lambda scenario: scenario.label)
 def test_via_points_and_a_final_heading_are_drawn(new_tab, tmp_path: FilePath, scenario: Scenario):
-    """Dashed beside a path that goes astray: the right answer, which passes all that is drawn."""
+    """Via points and a final heading are drawn.
+
+    A path goes astray; the right answer is dashed beside it and passes all that is drawn.
+    """
     right = solved(scenario, "analytic")
     wrong = attempt(scenario, "mine", path=Path(scenario.start, [0.0], [3.0]), claim=Claim.LOCAL)
-    made = [right, wrong | {"scenario_id": right["scenario_id"]}]
+    pair = [right, wrong | {"scenario_id": right["scenario_id"]}]
     page = new_tab(reduced_motion="reduce")
-    page.goto(address_of(tmp_path, made))
+    page.goto(address_of(tmp_path, pair))
     show(page, row(page, "mine", -1))
     _, end, target = drawn_end(page)
     line, dots, arrows = page.evaluate(
@@ -378,7 +420,10 @@ TOURS = [
 
 @pytest.mark.parametrize("scenario", TOURS, ids=lambda scenario: scenario.label)
 def test_a_tour_without_a_target_is_drawn(new_tab, tmp_path: FilePath, scenario: Scenario):
-    """From its own heading through all points, without a target; its command says what is asked."""
+    """A tour without a target is drawn.
+
+    It goes from its own heading through all points; its command says what is asked.
+    """
     answer = solved(scenario, "analytic")
     page = new_tab(reduced_motion="reduce")
     page.goto(address_of(tmp_path, [answer]))
@@ -429,7 +474,10 @@ def test_an_address_opens_its_attempt(plot):
     [("nobody/0/knows/this", "holds none"), ("%E0%A4%A", "malformed"), ("", "holds none")],
 )
 def test_an_address_of_no_attempt_says_so(new_tab, address: str, name: str, reason: str):
-    """In a sentence of the section, which goes when a link that holds is followed."""
+    """An address of no attempt says so.
+
+    The sentence of the section goes when a link that holds is followed.
+    """
     page = new_tab(reduced_motion="reduce")
     page.goto(f"{address}#attempt={name}")
     problem = page.locator("#attempt-problem")
@@ -453,7 +501,10 @@ def test_an_address_of_no_attempt_says_so(new_tab, address: str, name: str, reas
 
 @pytest.mark.slow
 def test_everything_is_reached_by_keyboard(plot):
-    """The list of points in the frame opens an attempt; closing it leads back to the list."""
+    """Everything is reached by keyboard.
+
+    The list of points in the frame opens an attempt; closing it leads back to the list.
+    """
     page = plot()
     page.locator("details.list summary").press("Enter")
     button = page.locator("table.points button.open").first
@@ -480,7 +531,9 @@ def gallery(page, solver: str):
 
 
 def test_the_worst_attempts_of_a_solver_are_drawn(plot):
-    """Ten paths and references, the largest miss first; each picture opens the drawer.
+    """The worst attempts of a solver are drawn.
+
+    Ten paths and references are shown, the largest miss first. Each picture opens the drawer.
 
     Right answers are nobody's worst.
     """
@@ -501,7 +554,10 @@ def test_the_worst_attempts_of_a_solver_are_drawn(plot):
 
 
 def test_the_plot_opens_with_few_colours_and_shapes(plot, tmp_path: FilePath):
-    """At most three, all different; a plug-in's solver is one of them."""
+    """The plot opens with three colours at most.
+
+    All shapes and colours differ; a plug-in's solver is one of them.
+    """
     mine = "my_solver.py:MySolver"
     records = [one | {"solver": mine} for one in rows() if one["solver"] == "far"]
     page = plot(of=address_of(tmp_path, [*rows(), *records]))
@@ -517,7 +573,10 @@ def test_the_plot_opens_with_few_colours_and_shapes(plot, tmp_path: FilePath):
 
 
 def in_a_shell(command: str, programs: FilePath, **options: Any) -> Any:
-    """What a command prints as JSON, with programs that are found before all others."""
+    """Parsed JSON output of a command.
+
+    The given programs are found before all others.
+    """
     path = f"{programs}{os.pathsep}{os.environ['PATH']}"
     done = subprocess.run(
         ["sh", "-c", command],
@@ -537,7 +596,10 @@ def command_of(page, attempt_row: int) -> str:
     ("solver", "branch"), [("analytic", "best"), ("analytic", "RL"), (RAW, "best"), (LONG, "best")]
 )
 def test_the_command_repeats_the_attempt(plot, solver: str, branch: str):
-    """Run by a shell it asks the same question, to the last bit, and gets the row's verdict."""
+    """The command repeats the attempt.
+
+    A shell runs it: it asks the same question, to the last bit, and gets the row's verdict.
+    """
     page = plot()
     command = command_of(page, row(page, solver, -1, branch))
     expected = solved(ODD, solver, branch)
@@ -553,7 +615,10 @@ def test_the_command_repeats_the_attempt(plot, solver: str, branch: str):
 
 
 def test_no_name_gets_out_of_its_quotes(plot, tmp_path: FilePath):
-    """A shell hands the solver's name on as one word, and runs nothing that stands in it."""
+    """No name gets out of its quotes.
+
+    A shell hands the solver's name on as one word, and runs nothing that stands in it.
+    """
     page = plot()
     command = command_of(page, row(page, MINE, 0))
     program = tmp_path / "dubins-study"
@@ -567,7 +632,10 @@ def test_no_name_gets_out_of_its_quotes(plot, tmp_path: FilePath):
 
 @pytest.mark.slow
 def test_the_plot_follows_the_colour_scheme(plot):
-    """Its paper and its marks are those of the page, in both schemes."""
+    """The plot follows the colour scheme.
+
+    In both schemes its paper and its marks are those of the page.
+    """
     page = plot(color_scheme="light")
     colours = """() => {
         const fig = attempts.drawn.figure(), css = getComputedStyle(document.documentElement);
@@ -587,7 +655,10 @@ def test_the_plot_follows_the_colour_scheme(plot):
 
 @pytest.mark.slow
 def test_a_phone_shows_it_all(plot):
-    """Nothing scrolls sideways, with the drawer open too; a tap opens it."""
+    """A phone shows everything.
+
+    Nothing scrolls sideways, with the drawer open too; a tap opens it.
+    """
     page = plot(viewport=PHONE, has_touch=True)
     choose(page, "far")
     page.touchscreen.tap(*position(page, row(page, "far", 11)))
@@ -600,11 +671,15 @@ def test_a_phone_shows_it_all(plot):
 
 @pytest.mark.slow
 def test_a_finger_on_the_plot_scrolls_the_page(plot):
-    """A box is drawn by the mouse only: a reader on a phone gets past the plot."""
+    """A finger on the plot scrolls the page.
+
+    A box is drawn by the mouse only: a reader on a phone gets past the plot.
+    """
     page = plot(viewport=PHONE, has_touch=True, is_mobile=True)
     canvas = page.locator("#attempts-plot .canvas")
     canvas.evaluate("node => node.scrollIntoView({block: 'center'})")
-    box, before = canvas.bounding_box(), page.evaluate("scrollY")
+    box = canvas.bounding_box()
+    before = page.evaluate("scrollY")
     x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
     finger = page.context.new_cdp_session(page)
     for step in range(12):
@@ -634,7 +709,10 @@ ODD_ROWS = {
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ODD_ROWS)
 def test_odd_rows_are_shown_too(plot, tmp_path: FilePath, name: str):
-    """The plot, though it may be empty, the drawer and the pictures of the worst; no error."""
+    """Odd rows are shown without an error.
+
+    There are the plot, which may be empty, the drawer and the pictures of the worst.
+    """
     page = plot(of=address_of(tmp_path, ODD_ROWS[name]))
     page.get_by_label("vertical").select_option("wall_s")
     page.get_by_label("horizontal").select_option("bearing")

@@ -1,4 +1,7 @@
-"""The closed form, words, routes and tours in the page (`scripts/dubins*.js`) and the package."""
+"""The page's scripts agree with the package.
+
+`scripts/dubins*.js` have the closed form, words, routes and tours.
+"""
 
 import json
 import math
@@ -29,16 +32,20 @@ FIELDS = NUMBERS[:-1]  # the speed is no part of the question
 
 
 def near_circles(n: int) -> list[Scenario]:
-    """Targets on and next to edges of words, at 1e-1 to 1e-12 R, of any heading, place and radius.
+    """Targets on and next to edges of words.
+
+    They are off by 1e-1 to 1e-12 R, of any heading, place and radius.
 
     Edges are both turning circles, and the circles of three times their radius.
     """
     rng = np.random.default_rng(1)
     cases = []
     for row in range(n):
-        R, heading = 10 ** rng.uniform(-2, 3), rng.uniform(-math.pi, math.pi)
+        R = 10 ** rng.uniform(-2, 3)
+        heading = rng.uniform(-math.pi, math.pi)
         x, y = rng.uniform(-3, 3, 2) * R
-        angle, side = rng.uniform(-math.pi, math.pi), rng.choice([-1, 1])
+        angle = rng.uniform(-math.pi, math.pi)
+        side = rng.choice([-1, 1])
         r = 1 + rng.choice([-1, 0, 1]) * 10.0 ** -(1 + row % 12)
         r *= 3 if row % 5 == 0 else 1  # as far as two arcs reach
         X, Y = r * math.sin(angle), side * (1 - r * math.cos(angle))
@@ -48,7 +55,10 @@ def near_circles(n: int) -> list[Scenario]:
 
 @cache
 def all_cases() -> list[Scenario]:
-    """10^4 targets: hard ones, on and near circles, the paper's, and far ones."""
+    """10^4 targets of every kind.
+
+    They are hard ones, on and near circles, the paper's, and far ones.
+    """
     rng = np.random.default_rng(2)
     far = [Scenario(*rng.uniform(-9, 9, 3), *rng.uniform(-1e6, 1e6, 2), 1.0) for _ in range(1000)]
     named = [*PAPER.values(), *EDGES.values()]
@@ -57,7 +67,10 @@ def all_cases() -> list[Scenario]:
 
 @pytest.fixture
 def in_page(new_tab):
-    """`in_page(body, rows)`: what the scripts' `body`, a function of one row, returns of each."""
+    """`in_page(body, rows)`: results of the scripts for each row.
+
+    `body` is a function of one row.
+    """
     page = new_tab()
     parts = ("certificate", "pose", "route", "tour")
     names = ("tolerances", "dubins", *(f"dubins-{part}" for part in parts))
@@ -78,7 +91,10 @@ def fields(scenario: Scenario) -> dict[str, float]:
 
 
 def steepness(word: str, segments) -> float:
-    """Change of a length per shift of its target: 1, or 1 / |cos(a2 / 2)| of two arcs."""
+    """Change of a length per shift of its target.
+
+    It is 1, or 1 / |cos(a2 / 2)| for two arcs.
+    """
     return 1.0 if word not in ("LR", "RL") else 1 / max(abs(math.cos(segments[1] / 2)), 1e-6)
 
 
@@ -116,7 +132,10 @@ def test_every_word_of_ten_thousand_targets_is_the_package_s(in_page):
 
 
 def test_the_optimal_words_region_and_margin_are_the_package_s(in_page):
-    """One word, or both straight behind; next to an edge whichever the package's intervals hold.
+    """Optimal words, region and margin are the package's.
+
+    There is one word, or both straight behind. Next to an edge it is whichever the package's
+    intervals hold.
 
     Lengths alone are the same doubles, absent where a word has no path.
     """
@@ -129,7 +148,8 @@ def test_the_optimal_words_region_and_margin_are_the_package_s(in_page):
         optimal = [entry for entry in entries if entry["optimal"]]
         assert lengths.pop("best") in {entry["branch"] for entry in optimal}, case
         assert lengths == {entry["branch"]: entry["length"] for entry in entries}, case
-        best, target = shortest(case), local(case)
+        best = shortest(case)
+        target = local(case)
         assert best is not None
         assert in_radii == pytest.approx(margin(case), rel=1e-9, abs=2 * target.delta)
         same_words = {entry["word"] for entry in optimal} == set(best.words)
@@ -143,9 +163,11 @@ def test_the_optimal_words_region_and_margin_are_the_package_s(in_page):
 
 
 def test_certificates_are_the_package_s(in_page):
-    """Pontryagin's residual, the costates and the cut margin of every word, as `measure` has them.
+    """Certificates are the package's.
 
-    Compared where the words are one path: of equal letters and segments to 1e-9.
+    Compared are Pontryagin's residual, the costates and the cut margin of every word, as `measure`
+    has them. The words are compared where they are one path: of equal letters and segments to
+    1e-9.
     """
     cases = all_cases()[::3]
     compared = 0
@@ -160,19 +182,21 @@ def test_certificates_are_the_package_s(in_page):
                 continue
             path = as_path(case.start, case.radius, optimum.word, optimum.segments)
             extremal, cut = measure(path, case.radius)
-            found = entry["certificate"]
+            certificate = entry["certificate"]
             # 1e-9 of the segments, twice; 1e9 R away positions lose 16 ulp a radius in costates
             allowed = 4e-9 + 64 * EPS * optimum.total
-            assert found["cut_margin"] == pytest.approx(cut, abs=allowed), case
+            assert certificate["cut_margin"] == pytest.approx(cut, abs=allowed), case
             if extremal is None:
-                assert found["residual"] == 0
+                assert certificate["residual"] == 0
                 continue
-            assert found["abnormal"] == extremal.abnormal
+            assert certificate["abnormal"] == extremal.abnormal
             if extremal.abnormal:  # a second arc of pi: the costates' sign hangs on its last ulp
                 continue
-            assert found["residual"] == pytest.approx(extremal.pmp_residual, abs=allowed), case
+            assert certificate["residual"] == pytest.approx(extremal.pmp_residual, abs=allowed), (
+                case
+            )
             size = max(1.0, math.hypot(*extremal.nu))
-            costates = found["costate_x"], found["costate_y"]
+            costates = certificate["costate_x"], certificate["costate_y"]
             assert np.allclose(costates, extremal.nu, rtol=0, atol=allowed * size**2), case
             compared += 1
 
@@ -181,7 +205,10 @@ def test_certificates_are_the_package_s(in_page):
 
 @pytest.mark.slow
 def test_a_polyline_stays_on_the_path_which_arrives(in_page):
-    """Every point lies on the path as the package drives it; arcs are divided finely."""
+    """Polylines stay on the path, which arrives.
+
+    Every point lies on the path as the package drives it; arcs are divided finely.
+    """
     # `at` loses digits of larger headings
     cases = [case for case in all_cases()[::10] if abs(case.heading) < 10]
     body = "s => dubins.words(s).map(e => e.exists"
@@ -210,7 +237,10 @@ def test_a_polyline_stays_on_the_path_which_arrives(in_page):
 
 
 def test_bad_input_is_refused_by_name(in_page):
-    """A scenario that cannot be names the field and the value."""
+    """Bad input is refused by name.
+
+    The message names the field and the value.
+    """
     good = {"x": 0, "y": 0, "heading": parse_angle("120deg"), "target_x": 1, "target_y": 2}
     refused = {
         "radius is 0; expected a number above 0": {"radius": 0},
@@ -225,15 +255,20 @@ def test_bad_input_is_refused_by_name(in_page):
 
 
 def pairs_of_poses(n: int) -> list[tuple[Pose, Pose, float]]:
-    """Random ones, near and far, and every fifth on round numbers, where arcs vanish."""
+    """Random pairs of poses, near and far.
+
+    Every fifth is on round numbers, where arcs vanish.
+    """
     rng = np.random.default_rng(5)
     pairs = []
     for row in range(n):
-        radius, reach = 10 ** rng.uniform(-2, 2), 10 ** rng.uniform(-1, 1.5)
+        radius = 10 ** rng.uniform(-2, 2)
+        reach = 10 ** rng.uniform(-1, 1.5)
         places = rng.uniform(-reach, reach, 4)
         headings = rng.uniform(-7, 7, 2)
         if row % 5 == 0:
-            radius, places = 1.0, rng.integers(-4, 5, 4).astype(float)
+            radius = 1.0
+            places = rng.integers(-4, 5, 4).astype(float)
             headings = 0.5 * math.pi * rng.integers(-4, 5, 2)
         x, y, u, v = (places * radius).tolist()
         a, b = headings.tolist()
@@ -242,7 +277,10 @@ def pairs_of_poses(n: int) -> list[tuple[Pose, Pose, float]]:
 
 
 def test_six_words_of_poses_are_the_package_s(in_page):
-    """Existence and length of every word to 1e-9, the shortest words, and where each path ends.
+    """Six words of poses are the package's.
+
+    Compared are existence and length of every word to 1e-9, the shortest words, and the ends of
+    the paths.
 
     Sines and cosines differ in their last digit. So next to an edge both may see another side of
     it: those words are counted.
@@ -277,7 +315,10 @@ def test_six_words_of_poses_are_the_package_s(in_page):
 
 
 class Law(NamedTuple):
-    """Routes of 1 to 5 via points with legs of `shortest` to `longest` radii."""
+    """Routes of 1 to 5 via points.
+
+    Their legs have `shortest` to `longest` radii.
+    """
 
     shortest: float
     longest: float
@@ -293,7 +334,10 @@ NEAR = Law(0.5, 4.0, 100, 0.99)
     "law", [FAR, pytest.param(NEAR, marks=pytest.mark.slow)], ids=["far", "near"]
 )
 def test_routes_are_the_shortest_to_a_millionth(in_page, law):
-    """Never shorter than the proven interval's lower end; within 1e-6 of its upper end, mostly.
+    """Routes are the shortest to a millionth.
+
+    They are never shorter than the proven interval's lower end, and mostly within 1e-6 of its
+    upper end.
 
     Every second final heading is given. Measured with other seeds: all of 300 routes with legs of
     0.5 to 20 R, and 299 of 300 with legs of 0.2 to 8 R; the other one is 1.6e-5 longer.
@@ -302,7 +346,8 @@ def test_routes_are_the_shortest_to_a_millionth(in_page, law):
     cases = []
     for row in range(law.routes):
         legs = 2 + row % 5
-        lengths, bearings = rng.uniform(law.shortest, law.longest, legs), rng.uniform(-4, 4, legs)
+        lengths = rng.uniform(law.shortest, law.longest, legs)
+        bearings = rng.uniform(-4, 4, legs)
         steps = lengths[:, None] * np.column_stack([np.cos(bearings), np.sin(bearings)])
         points = np.vstack([rng.uniform(-5, 5, 2), steps]).cumsum(axis=0)
         heading, final = rng.uniform(-4, 4, 2).tolist()
@@ -317,7 +362,8 @@ def test_routes_are_the_shortest_to_a_millionth(in_page, law):
     ]
     close = 0
     for (points, heading, final), route in zip(cases, in_page("dubins.route", rows), strict=True):
-        length, pose = 0.0, Pose(*points[0].tolist(), heading)
+        length = 0.0
+        pose = Pose(*points[0].tolist(), heading)
         for entry, point in zip(route["entries"], points[1:], strict=True):
             pose = Driven(pose, entry["curvatures"], entry["lengths"]).end
             assert math.hypot(pose.x - point[0], pose.y - point[1]) < 1e-9
@@ -333,7 +379,10 @@ def test_routes_are_the_shortest_to_a_millionth(in_page, law):
 
 
 class Density(NamedTuple):
-    """Tours of points in a square whose side grows with the root of their number."""
+    """Tours of points in a square.
+
+    Its side grows with the root of their number.
+    """
 
     side: float  # radii, of one point
     points: tuple[int, ...]
@@ -346,7 +395,10 @@ DENSE = Density(3.0, (2, 3, 5, 8), 40, 0.9)
 
 
 def drawn_tour(rng: np.random.Generator, via: int, side: float) -> dict[str, Any]:
-    """A start pose, via points and a target pose, as the page has them."""
+    """A tour as the page has it.
+
+    It has a start pose, via points and a target pose.
+    """
     points = rng.uniform(0, side * math.sqrt(via), (via + 2, 2)).tolist()
     (x, y), *between, (target_x, target_y) = points
     heading, final = rng.uniform(-4, 4, 2).tolist()
@@ -361,7 +413,10 @@ def drawn_tour(rng: np.random.Generator, via: int, side: float) -> dict[str, Any
     ids=["spaced", "dense"],
 )
 def test_tours_are_the_shortest_to_a_millionth(in_page, density):
-    """Never shorter than the proven interval; within 1e-6 of it, mostly, and then in its order.
+    """Tours are the shortest to a millionth.
+
+    They are never shorter than the proven interval. Mostly they are within 1e-6 of it, and then in
+    its order.
 
     Every second final heading is given. Measured with other seeds, of 60 tours each of 3, 5, 8 and
     10 points: all where the side is 8 R, 58 where it is 3 R, and 54 where it is 1.5 R.
@@ -388,7 +443,10 @@ def test_tours_are_the_shortest_to_a_millionth(in_page, density):
 
 
 def test_a_tour_is_the_shortest_of_all_its_orders(in_page):
-    """Every order of four points as a route, by the same scripts: none is shorter."""
+    """A tour is the shortest of all its orders.
+
+    The same scripts answer every order of four points as a route: none is shorter.
+    """
     rng = np.random.default_rng(12)
     cases = [drawn_tour(rng, 4, 6.0) for _ in range(10)]
     for case, tour in zip(cases, in_page("dubins.tour", cases), strict=True):

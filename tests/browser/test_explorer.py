@@ -1,4 +1,7 @@
-"""The explorer, driven as a reader does: keyboard, fields, examples, and what it offers to copy."""
+"""The explorer, driven as by a reader.
+
+Used are the keyboard, fields, examples, and the texts that it offers to copy.
+"""
 
 import json
 import math
@@ -32,7 +35,10 @@ def test_every_example_shows_what_the_package_computes(explorer):
 
 
 def test_the_examples_show_what_their_titles_say():
-    """The tie, the disc, and the jump between just outside and just inside."""
+    """The examples show what their titles say.
+
+    They are the tie, the disc, and the jump between just outside and just inside.
+    """
     cases = {}
     for preset in ON_MAP:
         x, y, heading, *rest = preset.text.split(",")
@@ -51,7 +57,10 @@ def test_the_examples_show_what_their_titles_say():
 
 @pytest.mark.slow
 def test_by_keyboard(explorer):
-    """Arrows move a handle, shift makes them ten times as strong, + and - change the radius."""
+    """Keys move a handle and change the radius.
+
+    Arrows move a handle, shift makes them ten times as strong, + and - change the radius.
+    """
     page = explorer("0,0,0deg,3,2,1")
     page.locator(".handle.target").focus()
     page.keyboard.press("ArrowRight")
@@ -77,7 +86,10 @@ def test_by_keyboard(explorer):
 
 @pytest.mark.slow
 def test_fields_and_their_refusals(explorer):
-    """A number that no scenario may have is refused in words; the picture stays as it was."""
+    """Impossible numbers are refused in words.
+
+    The picture stays as it was.
+    """
     page = explorer("0,0,0deg,3,2,1")
     page.get_by_label("target x").fill("-7.5")
     page.get_by_label("heading, deg", exact=True).fill("45")
@@ -97,7 +109,10 @@ def test_fields_and_their_refusals(explorer):
 
 @pytest.mark.parametrize("radius", ["25", "0.0099", "1e+40"])
 def test_arrow_keys_in_the_radius_field_keep_it_above_zero(explorer, radius):
-    """A step is a hundredth to a tenth of the radius, down and up; no step is refused."""
+    """Arrow keys keep the radius above zero.
+
+    A step is a hundredth to a tenth of the radius, down and up; no step is refused.
+    """
     page = explorer(f"0,0,0deg,{radius},{radius},{radius}")
     field = page.get_by_label("radius R")
     field.focus()
@@ -146,7 +161,10 @@ FUZZ = """() => {
 
 @pytest.mark.slow
 def test_whatever_the_numbers_a_picture_or_a_reason(explorer):
-    """400 scenarios of 1e-308 to 1e308: no NaN anywhere, and refusals say what is expected."""
+    """Any numbers give a picture or a reason.
+
+    400 scenarios of 1e-308 to 1e308 show no NaN anywhere, and refusals say what is expected.
+    """
     shown_scenarios, broken, refusals = explorer().evaluate(FUZZ)
 
     assert broken == []
@@ -166,7 +184,10 @@ def test_whatever_the_numbers_a_picture_or_a_reason(explorer):
     ],
 )
 def test_the_address_restores_a_scenario(explorer, text):
-    """And the link, the command and the Python that are offered lead to the same scenario."""
+    """The address restores a scenario.
+
+    The link, the command and the Python that are offered lead to the same scenario.
+    """
     page = explorer(text)
     x, y, heading, *rest = text.split(",")
     scenario = Scenario(float(x), float(y), parse_angle(heading), *map(float, rest))
@@ -178,7 +199,10 @@ def test_the_address_restores_a_scenario(explorer, text):
 
 
 def test_a_broken_address_is_left_alone(explorer):
-    """Hostile or incomplete text is no scenario and no markup; the page says what is wrong."""
+    """A broken address changes nothing.
+
+    Hostile or incomplete text is no scenario and no markup; the page says what is wrong.
+    """
     reasons = {
         "1,2": "1,2 has not six parts",
         "%3Cimg src=x onerror=alert(1)%3E,0,0,1,1,1": "x is NaN; expected a finite number",
@@ -203,7 +227,10 @@ def test_a_broken_address_is_left_alone(explorer):
     "text", ["0.5,0,-110deg,-0.3,0.2,1.5", "0,1e-7,7.5,-3,1,1", "0,0,30°,1,1,2"]
 )
 def test_the_offered_command_and_python_run(explorer, text):
-    """As pasted; they print the length that the page shows."""
+    """The offered command and Python run as pasted.
+
+    They print the length that the page shows.
+    """
     page = explorer(text)
     command = shlex.split(page.locator("[data-copy=command]").text_content())
     length = number(shown(page)[shown_best(page)]["length"])
@@ -234,7 +261,10 @@ def test_copy_puts_the_command_on_the_clipboard(explorer):
 
 
 def test_in_the_report_it_answers_beside_the_other_scripts(new_tab, report_page):
-    """Restored from the address, driven by keyboard, the address kept up to date."""
+    """The explorer works within the report.
+
+    It is restored from the address and driven by keyboard, and keeps the address up to date.
+    """
     page = new_tab(viewport=PHONE)
     page.goto(f"{report_page.as_uri()}#explore=0,0,60deg,-2,-5,1")
     assert scenario_in(page) == Scenario(0, 0, "60deg", -2, -5, 1)

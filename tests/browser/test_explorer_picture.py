@@ -1,4 +1,7 @@
-"""The plane of the explorer, its chart and its handles: true, in view, without scripts, dragged."""
+"""The plane, the chart and handles of the explorer.
+
+They are true and in view, work without scripts, and can be dragged.
+"""
 
 import math
 import re
@@ -16,7 +19,10 @@ from tests.browser_tab import DESK, PHONE, agrees, centre, drag, scenario_in
 
 @pytest.mark.slow
 def test_the_map_is_true(explorer):
-    """The region under 400 points of the picture is named after the package's shortest word."""
+    """The map names the package's shortest words.
+
+    The regions under 400 points of the picture are compared.
+    """
     page = explorer("0.3,-0.2,25deg,1.4,1.1,0.9")
     places = page.evaluate(
         """() => {
@@ -66,7 +72,10 @@ def test_nothing_is_wider_than_the_screen(explorer, viewport):
 
 
 def test_forced_colours_leave_every_line_s_sample(explorer):
-    """The table's samples keep colour and pattern, as the lines in the picture do."""
+    """Forced colours leave every line's sample.
+
+    The table's samples keep colour and pattern, as the lines in the picture do.
+    """
     styles = (
         "all => all.map(e => { const s = getComputedStyle(e);"
         " return [s.backgroundImage, s.borderTopStyle, s.borderTopColor]; })"
@@ -83,7 +92,10 @@ def test_forced_colours_leave_every_line_s_sample(explorer):
 
 
 def test_at_the_start_there_is_nothing_to_drive(explorer):
-    """Said once, without a circle that an arc would reach."""
+    """At the start there is nothing to drive.
+
+    The page says so once, without a circle that an arc would reach.
+    """
     page = explorer("3,-2,0.5rad,3,-2,1")
     page.wait_for_function("document.querySelector('[data-answer=summary]').textContent")
 
@@ -95,7 +107,9 @@ def test_at_the_start_there_is_nothing_to_drive(explorer):
 
 @pytest.mark.slow
 def test_the_sweep_over_radii_is_the_package_s(explorer):
-    """Every word's length at 160 radii, the shortest word, and where the chosen radius stands.
+    """The sweep over radii is the package's.
+
+    It has every word's length at 160 radii, the shortest word, and where the chosen radius stands.
 
     Problem 5's target enters the left disc at R = 57.35: there LS ends and RL begins.
     """
@@ -135,7 +149,10 @@ def test_the_sweep_over_radii_is_the_package_s(explorer):
 
 
 def test_big_and_small_numbers_are_short(explorer):
-    """Powers of ten without zeros that say nothing: columns and ticks are narrow."""
+    """Big and small numbers are short.
+
+    Powers of ten have no zeros that say nothing: columns and ticks are narrow.
+    """
     texts = explorer().evaluate(
         "[4e6, 1e12, 1.5e9, -2e-7, 1234567, 999999, 999999.9, 0.25]"
         ".map((x) => explorerNumbers.number(x))"
@@ -170,7 +187,10 @@ LABELS = """() => {
 @pytest.mark.slow
 @pytest.mark.parametrize("viewport", [PHONE, DESK], ids=["phone", "desk"])
 def test_no_label_lies_outside_of_the_chart_or_on_another(explorer, viewport):
-    """Names and ticks of 300 targets, 1e-4 to 1e8 away at radii of 0.01 to 100."""
+    """Labels lie in the chart and overlap none.
+
+    Checked are names and ticks of 300 targets, 1e-4 to 1e8 away at radii of 0.01 to 100.
+    """
     words = 0
     for (left, right, top, bottom), labels in explorer(viewport=viewport).evaluate(LABELS):
         for text, x1, x2, y1, y2 in labels:
@@ -184,9 +204,13 @@ def test_no_label_lies_outside_of_the_chart_or_on_another(explorer, viewport):
 
 
 def test_dragging_the_target_moves_it_and_everything_follows(explorer):
-    """By the mouse: the handle stays under the pointer, the numbers are the package's."""
+    """Dragging the target changes everything.
+
+    The mouse drags: the handle stays under the pointer, the numbers are the package's.
+    """
     page = explorer("0,0,0deg,2,1.5,1")
-    before, (x, y) = scenario_in(page), centre(page, "target")
+    before = scenario_in(page)
+    x, y = centre(page, "target")
     page.mouse.move(x, y)
     page.mouse.down()
     page.mouse.move(x - 40, y + 70, steps=4)
@@ -203,8 +227,11 @@ def test_dragging_the_target_moves_it_and_everything_follows(explorer):
 
 
 def test_a_second_finger_does_not_move_what_the_first_drags(explorer):
-    """It lies on another handle and slides, as for a zoom of the page; only handles keep the page
-    from scrolling."""
+    """A second finger moves nothing.
+
+    It lies on another handle and slides, as for a zoom of the page; only handles keep the page
+    from scrolling.
+    """
     page = explorer("0,0,0deg,2,1.5,1", viewport=PHONE, has_touch=True, is_mobile=True)
     x, y = centre(page, "target")
     other_x, other_y = centre(page, "radius")
@@ -234,7 +261,10 @@ def test_a_second_finger_does_not_move_what_the_first_drags(explorer):
 
 
 def test_of_two_handles_the_nearer_one_is_dragged(explorer):
-    """The target's finger-sized ring lies over the heading's handle, which stays in reach."""
+    """The nearer of two handles is dragged.
+
+    The target's finger-sized ring lies over the heading's handle, which stays in reach.
+    """
     page = explorer("0,0,0deg,4,3,1")
     x, y = centre(page, "heading")
     tx, ty = centre(page, "target")
@@ -251,7 +281,10 @@ def test_of_two_handles_the_nearer_one_is_dragged(explorer):
 
 
 def test_a_press_beside_a_handle_s_middle_moves_nothing(explorer):
-    """The handle keeps its distance from the pointer; then it moves as far as the pointer does."""
+    """A press beside a handle's middle moves nothing.
+
+    The handle keeps its distance from the pointer; then it moves as far as the pointer does.
+    """
     page = explorer("0,0,0deg,4,3,1")
     x, y = centre(page, "target")
     page.mouse.move(x + 7, y - 5)
@@ -282,7 +315,10 @@ _FRAMES = """() => {
 
 
 def test_in_every_frame_of_a_drag_the_line_is_that_of_its_scenario(explorer):
-    """Word and length, while nothing rests: only what screen readers hear waits for that."""
+    """Every frame of a drag shows its scenario.
+
+    Word and length are right while nothing rests: only the texts for screen readers wait.
+    """
     page = explorer("0,0,0deg,1.3,1,1")
     page.wait_for_function("document.querySelector('[data-answer=spoken]').textContent")
     before = page.locator("[data-answer=spoken]").text_content()
@@ -309,7 +345,10 @@ def test_in_every_frame_of_a_drag_the_line_is_that_of_its_scenario(explorer):
 
 
 def _word_of_frame(frame: dict[str, Any]) -> str:
-    """The word that a frame of the page shows, which is the package's for its fields, like all."""
+    """The word that a frame of the page shows.
+
+    It is the package's for its fields, like all.
+    """
     values = {name: float(text) for name, text in frame["fields"].items() if text}
     scenario = Scenario(**values | {"heading": math.radians(values["heading"])})
     answer = solve(scenario)

@@ -1,4 +1,7 @@
-"""Routes and tours in the explorer: via points and final heading by mouse, finger and keys."""
+"""Routes and tours in the explorer.
+
+Via points and final heading are changed by mouse, finger and keys.
+"""
 
 import json
 import math
@@ -24,7 +27,10 @@ TOUR = "0,0,30deg,12,3,1;via=9,-2,3,5,-3,4,4,-3,8,6;order=free"
 
 
 def summary(page: Any) -> tuple[str, str, float]:
-    """What the line says: `Shortest` or `Found`, the words, the length."""
+    """`Shortest` or `Found`, the words, the length.
+
+    The summary line of the page holds them.
+    """
     title, _, rest = page.locator("[data-answer=summary]").inner_text().partition(": ")
     words, _, length = rest.partition(", length ")
     return title, words, number(length.partition(" (")[0])
@@ -45,7 +51,10 @@ def clicked(page: Any, dx: float, dy: float, name: str = "target") -> None:
 
 
 def test_a_route_and_its_copies(explorer):
-    """The address, the command and the Python are of one route, whose length the page shows."""
+    """A route and its copies agree.
+
+    The address, the command and the Python are of one route, whose length the page shows.
+    """
     page = explorer(ROUTE)
     expected = Scenario(0, 0, "30deg", 10, 5, via=[(4, 1), (6, -2)], final_heading="90deg")
     assert scenario_in(page) == expected
@@ -92,7 +101,10 @@ def test_examples_of_routes(explorer):
 
 
 def test_click_to_add_drag_to_move_double_click_to_remove(explorer):
-    """On the map of words a click still sets the target; twelve via points are the most."""
+    """Clicks add, drags move, double clicks remove points.
+
+    On the map of words a click still sets the target; twelve via points are the most.
+    """
     page = explorer("0,0,0deg,8,0,1")
     clicked(page, -30, -60)
     assert scenario_in(page).one_free_leg
@@ -100,7 +112,8 @@ def test_click_to_add_drag_to_move_double_click_to_remove(explorer):
     assert len(scenario_in(page).via) == 1
     clicked(page, -60, 60)
     assert len(scenario_in(page).via) == 2
-    before, length = scenario_in(page), summary(page)[2]
+    before = scenario_in(page)
+    length = summary(page)[2]
     assert before.via[1][1] < before.target_y
     drag(page, "via-2", 25, -90)
     after = scenario_in(page)
@@ -119,7 +132,10 @@ def test_click_to_add_drag_to_move_double_click_to_remove(explorer):
 
 
 def test_a_click_on_the_path_adds_to_that_leg(explorer):
-    """Here in the middle of the first of two legs, which is straight."""
+    """A click on the path adds to that leg.
+
+    Here it is in the middle of the first of two legs, which is straight.
+    """
     page = explorer("0,0,0deg,12,4,1;via=8,0")
     to_x, to_y = centre(page, "via-1")
     start = page.locator(".explorer-plane .start").bounding_box()
@@ -130,7 +146,10 @@ def test_a_click_on_the_path_adds_to_that_leg(explorer):
 
 
 def test_a_route_by_keyboard(explorer):
-    """Tab goes from point to point in order; Delete removes a point, or sets the heading free."""
+    """A route is changed by keyboard.
+
+    Tab goes from point to point in order; Delete removes a point, or sets the heading free.
+    """
     page = explorer(ROUTE)
     page.locator(".handle.via-1").focus()
     assert page.locator(".handle.via-1").get_attribute("aria-valuetext").startswith("4, 1. Found: ")
@@ -154,9 +173,13 @@ def test_a_route_by_keyboard(explorer):
 
 
 def test_the_final_heading_is_free_or_given(explorer):
-    """By the button, which keeps the path, and by the field, where nothing is free."""
+    """The final heading is free or given.
+
+    The button changes it and keeps the path. The field changes it too, where nothing is free.
+    """
     page = explorer("0,0,0deg,6,3,1")
-    length, button = summary(page)[2], page.get_by_role("button", name="Final heading", exact=True)
+    length = summary(page)[2]
+    button = page.get_by_role("button", name="Final heading", exact=True)
     assert button.get_attribute("aria-pressed") == "false"
     button.click()
     assert button.get_attribute("aria-pressed") == "true"
@@ -201,7 +224,10 @@ def test_a_broken_route_is_refused_in_words(explorer):
 
 
 def numbers(page: Any) -> list[str]:
-    """What the handles of the via points show, in the order of the list of points."""
+    """Numbers on the handles of the via points.
+
+    They come in the order of the list of points.
+    """
     handles = page.locator(".handle[class*=via]:visible")
     texts: list[str] = handles.evaluate_all(
         "all => all.map(handle => handle.querySelector('text').textContent)"
@@ -210,13 +236,17 @@ def numbers(page: Any) -> list[str]:
 
 
 def place(page: Any) -> str:
-    """What the page says about its answer."""
+    """The sentence of the page about its answer."""
     text: str = page.locator("[data-answer=place]").inner_text()
     return text
 
 
 def test_a_tour_and_its_copies(explorer):
-    """Points are numbered by their visits; what is proved is said, and what the list would cost."""
+    """A tour and its copies agree.
+
+    Points are numbered by their visits. The page says what is proved, and what the list would
+    cost.
+    """
     page = explorer(TOUR)
     expected = scenario_in(page)
     assert expected.order == "free"
@@ -246,12 +276,16 @@ def test_a_tour_and_its_copies(explorer):
 
 
 def test_the_order_is_free_or_given(explorer):
-    """By the button, with keys too; the list of points stays, and the address follows."""
+    """The order is free or given.
+
+    The button changes it, with keys too; the list of points stays, and the address follows.
+    """
     page = explorer(TOUR.removesuffix(";order=free"))
     button = page.get_by_role("button", name="Any order", exact=True)
     assert button.get_attribute("aria-pressed") == "false"
     assert numbers(page) == ["1", "2", "3", "4", "5"]
-    length, points = summary(page)[2], scenario_in(page).via
+    length = summary(page)[2]
+    points = scenario_in(page).via
     button.focus()
     page.keyboard.press("Space")
     assert button.get_attribute("aria-pressed") == "true"
@@ -267,7 +301,10 @@ def test_the_order_is_free_or_given(explorer):
 
 
 def test_points_of_a_tour_are_added_dragged_and_removed(explorer):
-    """A new point is the last of the list; without points there is no order to be free."""
+    """Points of a tour are added, dragged and removed.
+
+    A new point is the last of the list; without points there is no order to be free.
+    """
     page = explorer(TOUR)
     before = scenario_in(page)
     x, y = centre(page, "via-3")
@@ -299,7 +336,10 @@ def test_the_given_order_may_be_the_best(explorer):
 
 
 def test_the_first_view_knows_no_order(explorer):
-    """The map of words, its copies and handles are of one leg; the button waits for points."""
+    """The first view knows no order.
+
+    The map of words, its copies and handles are of one leg; the button waits for points.
+    """
     page = explorer()
     assert page.get_by_role("button", name="Any order", exact=True).count() == 0
     assert page.get_by_role("button", name="Final heading", exact=True).count() == 1

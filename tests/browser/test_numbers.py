@@ -1,4 +1,7 @@
-"""The numbers of the benchmark's page and of README, computed again from the rows by pandas."""
+"""The printed numbers, computed again by pandas.
+
+They are those of the benchmark's page and of README, from the rows.
+"""
 
 from pathlib import Path as FilePath
 
@@ -11,7 +14,10 @@ ROOT = FilePath(__file__).parents[2]
 
 @pytest.mark.slow
 def test_pandas_alone_comes_to_the_same_numbers(benchmark_page, monkeypatch, capsys):
-    """No line is marked, and there are as many as the tables have cells."""
+    """pandas alone comes to the same numbers.
+
+    No line is marked, and there are as many as the tables have cells.
+    """
     monkeypatch.chdir(ROOT)
     code = main([str(ROOT / "results" / "benchmark"), str(benchmark_page.parent)])
     lines = capsys.readouterr().out.splitlines()

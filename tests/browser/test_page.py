@@ -1,4 +1,7 @@
-"""The page in a browser: on a phone and a desk, in the dark, in print, by keyboard."""
+"""The page in a browser.
+
+It is opened on a phone and a desk, in the dark, in print, and by keyboard.
+"""
 
 import re
 from pathlib import Path
@@ -15,7 +18,10 @@ LOST = [(scenario, solver) for scenario in paper_scenarios() for solver in ("sls
 
 @pytest.mark.smoke
 def test_an_error_on_the_page_fails_its_test(chromium, tmp_path: Path):
-    """A page that logs an error, asks for something remote or opens a dialog fails its test."""
+    """An error on the page fails its test.
+
+    So does a request for something remote, or a dialog.
+    """
     file = tmp_path / "page.html"
     file.write_text("<script>throw new Error('wrong')</script><script>alert('run')</script>")
     tab = Tab(chromium)
@@ -27,7 +33,10 @@ def test_an_error_on_the_page_fails_its_test(chromium, tmp_path: Path):
 
 @pytest.mark.parametrize(("viewport", "scheme"), [(PHONE, "dark"), (DESK, "light")])
 def test_nothing_scrolls_sideways(new_tab, report_page: Path, viewport, scheme: str):
-    """What is wider than the screen scrolls in a box of its own."""
+    """Nothing scrolls sideways.
+
+    A part wider than the screen scrolls in a box of its own.
+    """
     page = new_tab(viewport=viewport, color_scheme=scheme)
     page.goto(report_page.as_uri())
     # A section that is laid out only when it comes into view would hide what is too wide.
@@ -38,7 +47,10 @@ def test_nothing_scrolls_sideways(new_tab, report_page: Path, viewport, scheme: 
 
 
 def test_every_anchor_is_there_once(new_tab, report_page: Path):
-    """Ids are unique, in figures too; links, markers and patterns inside the page are there."""
+    """Every anchor is there once.
+
+    Ids are unique, in figures too; links, markers and patterns inside the page are there.
+    """
     page = new_tab()
     page.goto(report_page.as_uri())
     ids = page.evaluate("[...document.querySelectorAll('[id]')].map((part) => part.id)")
@@ -61,7 +73,10 @@ def test_every_anchor_is_there_once(new_tab, report_page: Path):
 
 
 def test_every_file_that_the_page_links_is_there(new_tab, report_page: Path):
-    """Tables as CSV and LaTeX, figures as SVG and PDF, below the page's folder."""
+    """Every file that the page links is there.
+
+    Tables as CSV and LaTeX and figures as SVG and PDF lie below the page's folder.
+    """
     page = new_tab()
     page.goto(report_page.as_uri())
     find = "[...document.querySelectorAll('a')].map((a) => a.getAttribute('href'))"
@@ -82,7 +97,10 @@ def test_every_file_that_the_page_links_is_there(new_tab, report_page: Path):
 @pytest.mark.slow
 @pytest.mark.parametrize(("width", "most"), [(1280, 6000), (400, 9400)])
 def test_the_benchmark_is_read_in_one_sitting(new_tab, benchmark_page: Path, width: int, most: int):
-    """The page as it opens, details folded, is a few screens tall, on a desk and on a phone."""
+    """The benchmark is read in one sitting.
+
+    The page as it opens, details folded, is a few screens tall, on a desk and on a phone.
+    """
     page = new_tab(viewport={"width": width, "height": 900})
     page.goto(benchmark_page.as_uri())
     page.wait_for_function("window.explorer")
@@ -94,7 +112,10 @@ def test_the_benchmark_is_read_in_one_sitting(new_tab, benchmark_page: Path, wid
 
 @pytest.mark.slow
 def test_the_contents_follow_the_reading(new_tab, report_page: Path):
-    """On a desk they stay on the screen, and mark the section that is read."""
+    """The contents follow the reading.
+
+    On a desk they stay on the screen, and mark the section that is read.
+    """
     page = new_tab(viewport=DESK, reduced_motion="reduce")
     page.goto(report_page.as_uri())
     current = page.locator("#contents a[aria-current]")
@@ -115,7 +136,10 @@ def test_the_contents_follow_the_reading(new_tab, report_page: Path):
 
 
 def test_the_contents_fold_away_on_a_phone(new_tab, report_page: Path):
-    """One line names the section that is read; a tap unfolds the list, a link folds it again."""
+    """The contents fold away on a phone.
+
+    One line names the section that is read; a tap unfolds the list, a link folds it again.
+    """
     page = new_tab(viewport=PHONE, reduced_motion="reduce")
     page.goto(report_page.as_uri())
     link = page.locator("#contents a[href='#decision']")
@@ -131,8 +155,11 @@ def test_the_contents_fold_away_on_a_phone(new_tab, report_page: Path):
 
 @pytest.mark.slow
 def test_the_page_is_reached_by_keyboard(new_tab, report_page: Path):
-    """The first stop skips the contents; every stop shows where the reader is: by an outline, and a
-    handle of the explorer by its ring."""
+    """The page is reached by keyboard.
+
+    The first stop skips the contents. Every stop shows where the reader is: by an outline, and a
+    handle of the explorer by its ring.
+    """
     page = new_tab()
     page.goto(report_page.as_uri())
     page.keyboard.press("Tab")
@@ -154,8 +181,11 @@ def test_the_page_is_reached_by_keyboard(new_tab, report_page: Path):
 
 @pytest.mark.slow
 def test_print_shows_all_rows_and_no_contents(new_tab, report_page: Path):
-    """Boxes that scroll on a screen are whole on paper, in dark ink; the headings of tables, which
-    scripts make buttons, stay."""
+    """Print shows all rows and no contents.
+
+    Boxes that scroll on a screen are whole on paper, in dark ink. The headings of tables, which
+    scripts make buttons, stay.
+    """
     page = new_tab(color_scheme="dark")
     page.goto(report_page.as_uri())
     page.emulate_media(media="print")
@@ -175,7 +205,10 @@ def test_print_shows_all_rows_and_no_contents(new_tab, report_page: Path):
 
 
 def test_the_page_is_complete_without_scripts(new_tab, report_page: Path):
-    """All text, tables and figures are in the file; the contents are open, and folds unfold."""
+    """The page is complete without scripts.
+
+    All text, tables and figures are in the file; the contents are open, and folds unfold.
+    """
     page = new_tab(java_script_enabled=False, viewport=DESK)
     page.goto(report_page.as_uri())
 
@@ -187,7 +220,10 @@ def test_the_page_is_complete_without_scripts(new_tab, report_page: Path):
 
 @pytest.mark.slow
 def test_a_link_to_what_is_folded_unfolds_it(new_tab, report_page: Path):
-    """Else a permalink to one of many figures would lead to nothing."""
+    """A link to something folded unfolds it.
+
+    Else a permalink to one of many figures would lead to nothing.
+    """
     page = new_tab(reduced_motion="reduce")
     page.goto(report_page.as_uri())
     folded = page.locator("details.more figure").first
@@ -212,7 +248,10 @@ def test_a_link_to_what_is_folded_unfolds_it(new_tab, report_page: Path):
     ids=["empty", "one solver", "all failures"],
 )
 def test_a_run_of_little_is_a_page_too(new_tab, tmp_path: Path, rows, words):
-    """Its scripts find nothing to work on, and say nothing."""
+    """A run of little is a page too.
+
+    Its scripts find nothing to work on, and say nothing.
+    """
     folder = write_folder(tmp_path / "mine", "mine", rows)
     page = new_tab(viewport=PHONE)
     page.goto(render([folder], tmp_path / "out").as_uri())
@@ -224,8 +263,11 @@ def test_a_run_of_little_is_a_page_too(new_tab, tmp_path: Path, rows, words):
 
 @pytest.mark.parametrize("viewport", [PHONE, DESK])
 def test_links_land_on_their_heading(new_tab, report_page: Path, viewport):
-    """Below the bar that stays on a phone, and near it; without smooth scrolling, which stopped
-    short of late sections: sections get their heights only when they come near."""
+    """Links land on their heading.
+
+    It lies below the bar that stays on a phone, and near it. There is no smooth scrolling, which
+    stopped short of late sections: sections get their heights only when they come near.
+    """
     page = new_tab(viewport=viewport, reduced_motion="reduce")
     page.goto(report_page.as_uri())
     landed = page.evaluate(
@@ -256,7 +298,10 @@ def test_links_land_on_their_heading(new_tab, report_page: Path, viewport):
 
 @pytest.mark.slow
 def test_no_panel_of_the_front_is_off_a_phones_screen(new_tab, benchmark_page: Path):
-    """The figures are whole, and their letters can be read."""
+    """No panel of the front leaves a phone's screen.
+
+    The figures are whole, and their letters can be read.
+    """
     page = new_tab(viewport=PHONE)
     page.goto(benchmark_page.as_uri())
     page.wait_for_function("window.explorer")
@@ -278,7 +323,7 @@ def test_no_panel_of_the_front_is_off_a_phones_screen(new_tab, benchmark_page: P
 
 @pytest.mark.slow
 def test_the_front_prints_on_few_sheets(new_tab, benchmark_page: Path):
-    """What is folded stays folded on paper."""
+    """Folded parts stay folded on paper."""
     page = new_tab()
     page.goto(benchmark_page.as_uri())
     page.wait_for_function("window.explorer")
@@ -293,7 +338,10 @@ def test_the_front_prints_on_few_sheets(new_tab, benchmark_page: Path):
 @pytest.mark.slow
 @pytest.mark.parametrize("anchor", ["limits", "attempts", "widget-worst", "glossary"])
 def test_a_link_arrives_when_the_page_is_opened(new_tab, report_page: Path, anchor: str):
-    """Sections above get their heights, and scripts fill them, after the browser's own jump."""
+    """A link arrives when the page is opened.
+
+    Sections above get their heights, and scripts fill them, after the browser's own jump.
+    """
     page = new_tab()
     page.goto(f"{report_page.as_uri()}#{anchor}")
     page.wait_for_function(

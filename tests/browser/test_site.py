@@ -1,4 +1,7 @@
-"""The documentation: it builds without a warning, and its pages work offline and on a phone."""
+"""The documentation's site builds and works.
+
+It builds without a warning, and its pages work offline and on a phone.
+"""
 
 import re
 import subprocess
@@ -21,7 +24,10 @@ pytestmark = pytest.mark.slow
 
 @pytest.fixture(scope="module")
 def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The site, built with every warning as an error; its notebooks are run."""
+    """The site, with every warning an error.
+
+    Its notebooks are run.
+    """
     out = tmp_path_factory.mktemp("docs").resolve() / "site"
     options = ["-q", "-W", "--keep-going", "-d", str(out.with_name("trees"))]
     command = [sys.executable, "-m", "sphinx", *options, str(DOCS), str(out)]
@@ -45,7 +51,10 @@ def test_no_page_names_anything_of_another_host(site: Path):
 
 
 def test_no_link_leads_nowhere(site: Path):
-    """Links between pages, to places within them, and to files; Sphinx checks only its own."""
+    """No link leads nowhere.
+
+    Links go between pages, to places within them, and to files; Sphinx checks only its own.
+    """
     texts = {page: page.read_text(encoding="utf-8") for page in site.rglob("*.html")}
     places = {page: set(re.findall(r'\bid="([^"]+)"', text)) for page, text in texts.items()}
     wrong = []
@@ -60,7 +69,10 @@ def test_no_link_leads_nowhere(site: Path):
 
 
 def test_every_page_fits_a_phone(site: Path, new_tab):
-    """400 pixels without sideways scrolling; no error in the console, no request to a host."""
+    """Every page fits a phone.
+
+    At 400 pixels there is no sideways scrolling, no error in the console, no request to a host.
+    """
     tab = new_tab(viewport=PHONE, color_scheme="dark")
     for page in pages_of(site):
         tab.goto(page.as_uri())

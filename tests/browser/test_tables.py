@@ -1,4 +1,7 @@
-"""Tables that sort, filter and fold: by pointer, by keyboard, on a phone, without scripts."""
+"""Tables that sort, filter and fold.
+
+They are used by pointer, by keyboard, on a phone, and without scripts.
+"""
 
 from html import escape
 from pathlib import Path as FilePath
@@ -12,7 +15,10 @@ HOSTILE = "<img src=x onerror=alert(1)></script>"
 
 
 def table(lines: int) -> str:
-    """Lines with a name, a number that its text hides, and one that is missing in every third."""
+    """Lines of a table.
+
+    A line has a name, a number that its text hides, and one that is missing in every third line.
+    """
     rows = ""
     for n in range(lines):
         value = (n * 37) % lines / 1000
@@ -33,7 +39,10 @@ def table(lines: int) -> str:
 
 @pytest.fixture
 def page_of(new_tab, tmp_path: FilePath):
-    """`page_of(lines, **options)`: a page with one table, with the report's style and scripts."""
+    """`page_of(lines, **options)`: a page with one table.
+
+    It has the report's style and scripts.
+    """
 
     def opened(lines: int, **options):
         code = dict(zip(SCRIPTS, scripts(), strict=True))["tables"]
@@ -51,7 +60,7 @@ def page_of(new_tab, tmp_path: FilePath):
 
 
 def column(page, place: int) -> list[str]:
-    """The texts of a column's cells that can be seen."""
+    """Visible texts of a column's cells."""
     return page.locator(f"tbody tr:visible td:nth-child({place})").all_text_contents()
 
 
@@ -60,7 +69,10 @@ def header(page, name: str):
 
 
 def test_text_is_sorted_with_its_numbers_as_numbers(page_of):
-    """10, 20, 160, 1000; 1e-8 before 1e-6; nothing comes last; a third click restores the order."""
+    """Numbers in text are sorted as numbers.
+
+    10, 20, 160, 1000; 1e-8 before 1e-6; nothing comes last; a third click restores the order.
+    """
     page = page_of(len(VARIANTS))
     before = column(page, 1)
     assert header(page, "variant").get_attribute("aria-sort") == "none"
@@ -89,7 +101,11 @@ def test_text_is_sorted_with_its_numbers_as_numbers(page_of):
 
 
 def test_numbers_are_sorted_by_their_values_by_keyboard(page_of):
-    """Enter and Space; one column at a time; cells without a number come last in both orders."""
+    """Keys sort numbers by their values.
+
+    They are Enter and Space. One column is sorted at a time; cells without a number come last in
+    both orders.
+    """
     page = page_of(40)
     values = [(n * 37) % 40 for n in range(40) if n % 3]
     absent = 40 - len(values)
@@ -107,7 +123,10 @@ def test_numbers_are_sorted_by_their_values_by_keyboard(page_of):
 
 
 def test_a_cell_that_begins_with_no_number_is_below_those_that_do(page_of):
-    """Reasons in brackets, `none` and dashes, whichever way the numbers go."""
+    """Cells without a leading number come below.
+
+    They are reasons in brackets, `none` and dashes, whichever way the numbers go.
+    """
     page = page_of(8)
     texts = ["[2]", "90.4 %\n87.0–92.9", "none\n(3 to 4)", "100 %\n99.0–100"]
     texts += ["[11]", "–", "8.5 %", ""]
@@ -128,8 +147,11 @@ def test_a_cell_that_begins_with_no_number_is_below_those_that_do(page_of):
 
 
 def test_a_heading_without_text_is_no_button(page_of):
-    """A button without a name says nothing to those who only hear it; up to twelve lines have no
-    filter."""
+    """A heading without text is no button.
+
+    A button without a name says nothing to those who only hear it. Up to twelve lines have no
+    filter.
+    """
     page = page_of(12)
     assert page.get_by_role("searchbox").count() == 0
     page.evaluate("""() => {
@@ -145,9 +167,14 @@ def test_a_heading_without_text_is_no_button(page_of):
 
 
 def test_a_filter_shows_the_lines_with_all_of_its_words(page_of):
-    """In any case, in the full names too; it says how many of how many, and keeps the sorting."""
+    """A filter shows the lines with all words.
+
+    Case does not matter, and full names count too. It says how many of how many, and keeps the
+    sorting.
+    """
     page = page_of(40)
-    box, count = page.get_by_role("searchbox", name="filter"), page.get_by_role("status")
+    box = page.get_by_role("searchbox", name="filter")
+    count = page.get_by_role("status")
     assert count.text_content() == "40 lines"
 
     box.fill("N=20 b")
@@ -170,9 +197,13 @@ def test_a_filter_shows_the_lines_with_all_of_its_words(page_of):
 
 
 def test_a_long_table_is_folded(page_of):
-    """To twelve lines, in any order; one button shows the rest and folds them again."""
+    """A long table is folded to twelve lines.
+
+    That holds in any order; one button shows the rest and folds them again.
+    """
     page = page_of(160)
-    count, fold = page.get_by_role("status"), page.get_by_role("button", name="show")
+    count = page.get_by_role("status")
+    fold = page.get_by_role("button", name="show")
     assert len(column(page, 1)) == 12
     assert count.text_content() == "160 lines, the first 12 shown"
     assert (fold.text_content(), fold.get_attribute("aria-expanded")) == ("show all 160", "false")
@@ -194,7 +225,10 @@ def test_a_long_table_is_folded(page_of):
 
 
 def test_tables_of_a_report_are_sorted(new_tab, report_page: FilePath):
-    """Every table of the page has its buttons, and cells of text from outside stay text."""
+    """Tables of a report are sorted.
+
+    Every table of the page has its buttons, and cells of text from outside stay text.
+    """
     page = new_tab()
     page.goto(report_page.as_uri())
     tables = page.locator("figure.table table")

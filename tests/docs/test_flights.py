@@ -1,4 +1,7 @@
-"""What the page on flights says of wind, by an aircraft that is blown about."""
+"""The page on flights is right about wind.
+
+An aircraft is blown about on its paths.
+"""
 
 import math
 
@@ -12,18 +15,24 @@ STEP = 5e-4  # of the time that the aircraft takes to fly one radius
 
 
 def circles(radius: float) -> Path:
-    """A full turn left, a straight and a full turn right: every course is turned through."""
+    """Two full turns, left and right, around a straight.
+
+    Every course is turned through.
+    """
     turn = math.tau * radius
     return Path(Pose(0, 0, 0.3), [1 / radius, 0, -1 / radius], [turn, 2.0, turn])
 
 
 def leaves(path: Path, wind: tuple[float, float]) -> float:
-    """How far from a path its aircraft gets, of airspeed 1 and radius 1 in the air.
+    """Largest distance of an aircraft from its path.
+
+    Its airspeed is 1 and its radius in the air is 1.
 
     Its nose is turned to where its velocity over ground has the course of the path, at a rate of 1
     at most; the wind carries it along.
     """
-    along, off = 0.0, 0.0
+    along = 0.0
+    off = 0.0
     x, y, course = path.at([0.0])[0]
     nose = holding(course, wind)
     at = np.linspace(0, path.length, 200_001)
@@ -41,7 +50,10 @@ def leaves(path: Path, wind: tuple[float, float]) -> float:
 
 
 def holding(course: float, wind: tuple[float, float]) -> float:
-    """The heading of the nose that holds a course: the wind across it is flown against."""
+    """Heading of the nose that holds a course.
+
+    The wind across it is flown against.
+    """
     across = wind[1] * math.cos(course) - wind[0] * math.sin(course)
     return course - math.asin(across)
 
@@ -49,7 +61,10 @@ def holding(course: float, wind: tuple[float, float]) -> float:
 @pytest.mark.parametrize("speed", [0.1, 0.6])
 @pytest.mark.parametrize("toward", [0.3, 4.0])
 def test_the_radius_for_wind_is_enough_and_no_smaller_one(speed, toward):
-    """Turns of r (1 + w/v)^2 are flown in any steady wind; 3 % less is too tight."""
+    """The radius for wind suffices; no smaller one does.
+
+    Turns of r (1 + w/v)^2 are flown in any steady wind; 3 % less is too tight.
+    """
     wind = (speed * math.cos(toward), speed * math.sin(toward))
     radius = (1 + speed) ** 2
 

@@ -21,7 +21,7 @@ SHOWN = ("method", "knows", *SUITES, "false", "stops")
 
 
 def table_lines() -> list[str]:
-    """All lines of the page's table as README writes them."""
+    """All lines of the page's table, as in README."""
     folders = [ROOT / "results" / "benchmark" / suite for suite in ("leg", "pose", "route")]
     frame = decision_section(load(folders)).blocks[0].frame
     texts = frame.reindex(columns=SHOWN).fillna("–").astype(str)
@@ -33,7 +33,10 @@ def table_lines() -> list[str]:
 
 @pytest.mark.slow
 def test_the_table_is_that_of_the_committed_rows():
-    """Run `python -m tests.docs.test_readme` to print the lines, of which README shows five."""
+    """README's table has the committed rows' numbers.
+
+    Run `python -m tests.docs.test_readme` to print the lines, of which README shows five.
+    """
     text = (ROOT / "README.md").read_text(encoding="utf-8")
     shown = re.search(r"\| formulation.*?\n\n", text, re.S)[0].strip().split("\n")[2:]
 
@@ -52,7 +55,10 @@ def benchmark(monkeypatch: pytest.MonkeyPatch):
 
 
 def right_of(spec: str) -> tuple[float, int]:
-    """Share of right answers in percent and the number of questions with a path, by SQL alone."""
+    """Share of right answers (%) and questions, by SQL.
+
+    Only questions with a path are counted.
+    """
     [(share, questions)] = duckdb.sql(
         f"""SELECT 100 * avg(right_share), count(*) FROM (
             SELECT avg((verdict = 'optimal' AND NOT presolved)::INT) AS right_share
@@ -72,7 +78,10 @@ def right_of(spec: str) -> tuple[float, int]:
     ],
 )
 def test_a_share_is_that_of_the_rows(benchmark, formulation: str, engine: str, spec: str):
-    """A question that is right in two of three repeats counts 2/3, in both ways of counting."""
+    """A share is that of the rows.
+
+    A question that is right in two of three repeats counts 2/3, in both ways of counting.
+    """
     line = re.search(rf"^\| {engine} .*$", benchmark.formulation(formulation), re.M)
     shown = re.search(r"([\d.]+) % of (\d+)", line[0])
     share, questions = right_of(spec)
@@ -86,8 +95,11 @@ NOTEBOOKS = sorted((ROOT / "examples" / "notebooks").glob("*.ipynb"))
 
 @pytest.mark.parametrize("notebook", NOTEBOOKS, ids=lambda file: file.stem)
 def test_a_notebook_is_stored_without_outputs_and_checks_what_its_text_says(notebook: Path):
-    """Outputs would be of some machine and some day; the site shows those of its build, which runs
-    the checks."""
+    """Notebooks have no outputs and check their text.
+
+    Outputs would be of some machine and some day; the site shows those of its build, which runs
+    the checks.
+    """
     text = notebook.read_text(encoding="utf-8")
     cells = json.loads(text)["cells"]
     code = [cell for cell in cells if cell["cell_type"] == "code"]
@@ -99,7 +111,10 @@ def test_a_notebook_is_stored_without_outputs_and_checks_what_its_text_says(note
 
 
 def test_both_notebooks_are_pages():
-    """They lie in the tree of the site, by a link, and are named in its contents."""
+    """Both notebooks are pages.
+
+    They lie in the tree of the site, by a link, and are named in its contents.
+    """
     page = (ROOT / "docs" / "notebooks.md").read_text(encoding="utf-8")
 
     assert len(NOTEBOOKS) == 2
@@ -123,7 +138,10 @@ def test_the_file_agrees_with_the_package(citation):
 
 
 def test_the_file_cites_the_paper_as_the_reports_do(citation):
-    """One title; no authors and no year, as long as the reports know none."""
+    """The file cites the paper as the reports do.
+
+    It has one title; no authors and no year, as long as the reports know none.
+    """
     (paper,) = citation["references"]
 
     assert paper["title"] == TITLE

@@ -1,4 +1,7 @@
-"""What the documentation generates from the package, or names of it, is complete and up to date."""
+"""Generated documentation is complete and up to date.
+
+The package generates it, or it names parts of the package.
+"""
 
 import inspect
 import json
@@ -43,7 +46,10 @@ SUITES = (
 
 @pytest.mark.parametrize("name", packaged())
 def test_every_packaged_experiment_is_valid_by_the_schema(name):
-    """The schema is checked by another library than the one that reads experiments."""
+    """Every packaged experiment is valid by the schema.
+
+    The schema is checked by another library than the one that reads experiments.
+    """
     fields = tomllib.loads((FOLDER / f"{name}.toml").read_text(encoding="utf-8"))
     validator = Draft202012Validator(json.loads(SCHEMA.read_text(encoding="utf-8")))
 
@@ -68,7 +74,10 @@ def test_the_schema_file_is_that_of_the_models(generator):
 
 
 def test_every_setting_of_every_solver_has_a_meaning(generator):
-    """The tables of settings are made of docstrings; a setting that none explains is missing."""
+    """Every setting of every solver has a meaning.
+
+    The tables of settings are made of docstrings; a setting that none explains is missing.
+    """
     tables = generator("package_tables")
     names = tables.solver_names()
 
@@ -88,7 +97,11 @@ def test_every_command_has_its_section(generator):
 
 
 def test_the_reference_has_the_public_names():
-    """An entry for each, and for nothing else; after each function's an example of a call, run."""
+    """The reference has the public names.
+
+    It has an entry for each, and for nothing else. After each function's entry an example of a
+    call is run.
+    """
     page = (DOCS / "reference" / "api.md").read_text(encoding="utf-8")
     kinds, names = zip(*re.findall(r"^\.\. auto(\w+):: (\S+)$", page, re.M), strict=True)
     after = re.split(r"^\.\. auto\w+:: \S+$", page, flags=re.M)[1:]
@@ -102,7 +115,10 @@ def test_the_reference_has_the_public_names():
 
 
 def test_every_key_of_an_experiment_is_explained(generator):
-    """A key without a docstring would be a row without a meaning."""
+    """Every key of an experiment is explained.
+
+    A key without a docstring would be a row without a meaning.
+    """
     schema = json.loads(SCHEMA.read_text(encoding="utf-8"))
     page = (DOCS / "reference" / "experiment.md").read_text(encoding="utf-8")
     shown = re.findall(r"^```{generated} toml (\w+)$", page, re.M)
@@ -115,7 +131,10 @@ def test_every_key_of_an_experiment_is_explained(generator):
 
 
 def test_every_section_of_the_report_is_explained():
-    """In the order of the page, by the names that progress shows."""
+    """Every section of the report is explained.
+
+    The order is that of the page, and the names are those that progress shows.
+    """
     page = (DOCS / "report.md").read_text(encoding="utf-8")
     table = page.partition("| section | what to read from it |\n|---|---|\n")[2].partition("\n\n")[
         0
@@ -131,7 +150,10 @@ The words of this project; each means one thing everywhere: in the code, in the 
 
 
 def glossary_page() -> str:
-    """The page of the documentation, as `report/page/glossary.py` declares its words."""
+    """The documentation's page of the glossary.
+
+    `report/page/glossary.py` declares its words.
+    """
     parts = [GLOSSARY_HEAD]
     for title, words in GLOSSARY.items():
         parts.append(f"## {title}\n")
@@ -164,7 +186,10 @@ def test_the_words_of_readme_are_the_glossary_s():
 
 
 def test_every_sentence_of_the_findings_is_explained():
-    """In their order, by the word that begins the sentence."""
+    """Every sentence of the findings is explained.
+
+    They come in their order, by the word that begins the sentence.
+    """
     page = (DOCS / "report.md").read_text(encoding="utf-8")
     table = page.partition("| sentence | what is compared |\n|---|---|\n")[2].partition("\n\n")[0]
     first_words = re.findall(r"^\| (\w+) ", table, re.M)
@@ -184,7 +209,10 @@ ELSEWHERE = ("scipy/", "results/", "a/my_solver.py")  # of SciPy, of a run, of a
 
 
 def texts() -> Iterator[Path]:
-    """The documentation, and the sources of the package with its scripts and templates."""
+    """Texts of the documentation and of the package.
+
+    The package's scripts and templates belong to them.
+    """
     yield from (ROOT / name for name in ("README.md", "CONTRIBUTING.md", "pyproject.toml"))
     for folder in (DOCS, PACKAGE):
         for file in folder.rglob("*"):
@@ -203,7 +231,10 @@ def test_contributing_lists_the_folders_of_tests_and_the_targets_of_make():
 
 
 def test_files_and_names_that_a_text_names_exist():
-    """Files and what they have in them; modules of the package, and what they define."""
+    """Files and names that a text names exist.
+
+    They are files and their contents, and modules of the package and their definitions.
+    """
     folders = ("src", "tests", "docs", "benchmarks", "examples")
     known = [file for folder in folders for file in (ROOT / folder).rglob("*.*")]
     gone = []
@@ -221,7 +252,10 @@ def test_files_and_names_that_a_text_names_exist():
 
 
 def is_defined(name: str) -> bool:
-    """Whether these dotted words are a module of the package, or what one defines."""
+    """Whether the package defines dotted words.
+
+    They are a module, or a name that a module defines.
+    """
     try:
         return pkgutil.resolve_name(f"dubins_study.{name}") is not None
     except (ImportError, AttributeError):
@@ -230,7 +264,10 @@ def is_defined(name: str) -> bool:
 
 @pytest.mark.parametrize("kind", ["nlp", "search", "qp"])
 def test_the_page_of_engines_lists_the_options_that_solvers_use(generator, kind):
-    """Read back from the page's table; an engine that no line names is left to its makers."""
+    """The page of engines lists the options used.
+
+    They are read back from the page's table; an engine that no line names is left to its makers.
+    """
     page = (DOCS / "engines.md").read_text(encoding="utf-8")
     assert f"```{{generated}} engine-options {kind}\n" in page
     tables = generator("package_tables")
@@ -250,7 +287,10 @@ def test_the_page_of_engines_lists_the_options_that_solvers_use(generator, kind)
 
 
 def test_the_page_of_engines_says_what_each_is_given(generator):
-    """A line for every engine but searches, which have one together; and every status's claim."""
+    """The page of engines says what each is given.
+
+    Every engine has a line but searches, which have one together; and every status's claim.
+    """
     page = (DOCS / "engines.md").read_text(encoding="utf-8")
     section = page.split("(what-an-engine-is-given)=")[1].split("(what-a-status-claims)=")[0]
     engines = {*names(NLP, PROVEN, QP, ROOTS), *CONVEX}
@@ -266,7 +306,7 @@ NAMED = re.findall(r"`([\w/<>.-]+/|[\w/<>.-]+\.(?:py|toml))(?::(\w+))?`", TEXT)
 
 
 def places(name: str) -> list[Path]:
-    """What a name of the document stands for: one file or folder."""
+    """The file or folder that a name means."""
     if name == "__init__.py":  # of every room
         return list(PACKAGE.glob("*/__init__.py"))
     root = DOCS.parent if name in ("src/dubins_study/", "pyproject.toml") else PACKAGE
@@ -283,7 +323,10 @@ def test_what_the_architecture_names_exists(file, name):
 
 
 def test_the_architecture_answers_its_questions():
-    """Each question has a row that names at least one file."""
+    """The architecture answers its questions.
+
+    Each question has a row that names at least one file.
+    """
     rows = re.findall(r"^\| (wh[^|]*\?) \|(.*)\|$", TEXT, re.M)
 
     assert len(rows) == 17
@@ -292,10 +335,13 @@ def test_the_architecture_answers_its_questions():
 
 
 def test_one_duration_of_the_benchmark():
-    """Every text that says how long it takes says what the manifests of the committed runs do."""
+    """All texts tell one duration of the benchmark.
+
+    It is that of the manifests of the committed runs.
+    """
     manifests = [read_manifest(ROOT / "results" / "benchmark" / suite) for suite in SUITES]
     seconds = sum(run.seconds or 0.0 for manifest in manifests for run in manifest.runs)
-    said = f"{seconds / 60:.0f} minutes"
+    duration = f"{seconds / 60:.0f} minutes"
     texts = {
         "Makefile": r"convex problems \(([^)]*)\)",
         "CONTRIBUTING.md": r"benchmark and its report: (\w+ \w+)",
@@ -305,7 +351,7 @@ def test_one_duration_of_the_benchmark():
     }
 
     for file, pattern in texts.items():
-        assert re.findall(pattern, (ROOT / file).read_text(encoding="utf-8")) == [said], file
+        assert re.findall(pattern, (ROOT / file).read_text(encoding="utf-8")) == [duration], file
 
 
 if __name__ == "__main__":

@@ -1,4 +1,6 @@
-"""Every command and every piece of code that the documentation shows does what the page says.
+"""Commands and code of the documentation work.
+
+Every one does what the page says.
 
     console    lines that begin with `$ ` are commands; what follows is their output, in which `...`
                stands for anything
@@ -32,7 +34,10 @@ _LIMIT_S = 200
 
 
 class Block(NamedTuple):
-    """A block of a page: its language, its text, the file that it is, and the line it begins at."""
+    """A block of a page.
+
+    It has its language, its text, the file that it is, and the line where it begins.
+    """
 
     language: str
     text: str
@@ -41,35 +46,43 @@ class Block(NamedTuple):
 
 
 def blocks(page: Path) -> list[Block]:
-    """All blocks of a page but those of directives, from the first to the last."""
-    found = []
+    """All blocks of a page in their order.
+
+    Those of directives are left out.
+    """
+    entries = []
     source = page.read_text(encoding="utf-8")
     for match in _FENCE.finditer(source):
         indent, _, info, text = match.groups()
         text = re.sub(f"^{indent}", "", text, flags=re.M)
-        language, file = info.strip(), ""
+        language = info.strip()
+        file = ""
         if language.startswith("{code-block}"):
             language = language.split()[-1]
             options = _CAPTION.match(text)
             if options:
-                file, text = options[1] or "", text[options.end() :]
+                file = options[1] or ""
+                text = text[options.end() :]
         if language.startswith("{"):
             continue
         named = _FILE.match(text)
         file = file or (named[1] if named else "")
-        found.append(Block(language, text, file, source.count("\n", 0, match.start()) + 2))
-    return found
+        entries.append(Block(language, text, file, source.count("\n", 0, match.start()) + 2))
+    return entries
 
 
 def unknown(block: Block) -> bool:
-    """Whether nobody would notice that the block no longer works."""
+    """Whether nobody would notice that a block fails."""
     if block.language in RUN or block.file:
         return False
     return block.language not in SHOWN or bool(_COMMAND.search(block.text))
 
 
 class Runner:
-    """Runs the blocks of one page in their order, all in one folder that has the examples."""
+    """Runner of a page's blocks.
+
+    They run in their order, all in one folder that has the examples.
+    """
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
@@ -85,7 +98,10 @@ class Runner:
         }
 
     def run(self, block: Block) -> None:
-        """Run or write one block; an error has the command, its output and what the page says."""
+        """Run or write one block.
+
+        An error has the command, its output and what the page says.
+        """
         if block.file:
             (self.folder / block.file).write_text(block.text, encoding="utf-8")
         if block.file or block.language in SHOWN:
@@ -110,14 +126,16 @@ class Runner:
         self._command(block.text)
 
     def _console(self, block: Block) -> None:
-        command, expected = "", ""
+        command = ""
+        expected = ""
         for line in [*block.text.splitlines(keepends=True), "$ "]:
             if not line.startswith("$ "):
                 expected += line
                 continue
             if command:
                 self._compare(command, expected)
-            command, expected = line[2:], ""
+            command = line[2:]
+            expected = ""
 
     def _compare(self, command: str, expected: str) -> None:
         output = self._command(command)
@@ -126,7 +144,10 @@ class Runner:
         assert same, f"$ {command}\nthe page says:\n{expected}\nit printed:\n{output}"
 
     def _command(self, command: str) -> str:
-        """What a command prints to standard output; a command may fail if the page says so."""
+        """Standard output of a command.
+
+        A command may fail if the page says so.
+        """
         script = f"set -eo pipefail\n{command}"
         process = subprocess.run(
             ["bash", "-c", script],
@@ -144,7 +165,10 @@ class Runner:
 
 
 def parsed(block: Block) -> bool:
-    """Whether a block is Python, or commands of a shell, by its form alone."""
+    """Whether a block has the form of code.
+
+    That is Python, or commands of a shell.
+    """
     if block.language == "python":
         compile(block.text, "page", "exec")
         return True
@@ -206,7 +230,10 @@ def reason(page: str, block: Block) -> str | None:
 
 
 def run_pages() -> list[object]:
-    """The pages with something to run, the slow ones marked."""
+    """Pages with something to run.
+
+    The slow ones are marked.
+    """
     pages = [page for page, parts in PAGES.items() if any(b.language in RUN for b in parts)]
     return [pytest.param(p, marks=[pytest.mark.slow] if p in SLOW else []) for p in pages]
 
@@ -214,7 +241,10 @@ def run_pages() -> list[object]:
 @pytest.mark.many(2)
 @pytest.mark.parametrize("page", run_pages())
 def test_what_a_page_shows_runs(page: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
-    """Block by block in one new folder; outputs are compared where the page shows them."""
+    """A page's blocks run.
+
+    They run one by one in one new folder; outputs are compared where the page shows them.
+    """
     monkeypatch.chdir(tmp_path)
     runner = Runner(tmp_path)
     for block in PAGES[page]:
@@ -225,7 +255,10 @@ def test_what_a_page_shows_runs(page: str, tmp_path: Path, monkeypatch: pytest.M
 @pytest.mark.smoke
 @pytest.mark.parametrize(("page", "beginning"), NOT_RUN)
 def test_a_block_that_is_not_run_exists_and_is_parsed(page: str, beginning: str):
-    """A reason for a block that has gone is stale; the others are at least of the right form."""
+    """Blocks that are not run exist and parse.
+
+    A reason for a block that has gone is stale; the others are at least of the right form.
+    """
     chosen = [
         b for b in PAGES[page] if reason(page, b) and b.text.lstrip("$ ").startswith(beginning)
     ]
@@ -236,7 +269,10 @@ def test_a_block_that_is_not_run_exists_and_is_parsed(page: str, beginning: str)
 
 @pytest.mark.smoke
 def test_no_block_is_in_a_language_that_nobody_runs():
-    """A command in a block of no language, or of text, would never be tried."""
+    """Every block's language is run or exempt.
+
+    A command in a block of no language, or of text, would never be tried.
+    """
     strange = [f"{page}:{b.line}" for page, parts in PAGES.items() for b in parts if unknown(b)]
 
     assert not strange
@@ -244,7 +280,10 @@ def test_no_block_is_in_a_language_that_nobody_runs():
 
 @pytest.mark.smoke
 def test_a_wrong_page_fails(tmp_path: Path):
-    """The runner itself: a command that fails, or prints something else, is seen."""
+    """A wrong page fails.
+
+    The runner itself sees a command that fails, or prints something else.
+    """
     runner = Runner(tmp_path)
     runner.run(Block("console", "$ echo one; echo 2.5 s\none\n... s\n", "", 1))
     with pytest.raises(AssertionError, match=r"it printed:\s+two"):

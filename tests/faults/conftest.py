@@ -1,4 +1,7 @@
-"""The runs that many tests look at: made once, each in processes of its own."""
+"""Runs that many tests share.
+
+Each is made once, in processes of its own.
+"""
 
 from pathlib import Path
 from typing import NamedTuple
@@ -14,7 +17,7 @@ ASKED = 8  # questions to the honest solver, beside the hostile ones
 
 
 class Shared(NamedTuple):
-    """A finished run of hostile plug-ins beside an honest one."""
+    """A finished run of hostile and honest plug-ins."""
 
     ended: Ended
     rows: pd.DataFrame
@@ -26,7 +29,10 @@ class Shared(NamedTuple):
 
 
 def shared_run(folder: Path, table: dict, asked: int, jobs: int, limit: float) -> Shared:
-    """Every plug-in of a table asked so many questions, in one run."""
+    """Run every plug-in of a table.
+
+    Each is asked so many questions, all in one run.
+    """
     scratch = folder / "scratch"
     scratch.mkdir()
     specs = [spec(*name.split(":"), **_settings(scratch, case)) for name, case in table.items()]
@@ -38,19 +44,22 @@ def shared_run(folder: Path, table: dict, asked: int, jobs: int, limit: float) -
 
 
 def _settings(scratch: Path, case: expected.Case) -> dict[str, Path]:
-    """Files that a plug-in writes for the test to see."""
+    """Files that a plug-in writes for the test."""
     return {name: scratch / name for name in case.files}
 
 
 @pytest.fixture(scope="session")
 def clean(tmp_path_factory: pytest.TempPathFactory) -> pd.DataFrame:
-    """What the honest solver answers where nobody else is asked."""
+    """Answers of the honest solver alone.
+
+    Nobody else is asked in that run.
+    """
     folder = tmp_path_factory.mktemp("clean")
     asking = experiment(folder, ([HONEST], 1), ([HONEST], ASKED))
     ended = study("run", asking, "--out", folder / "out")
     assert ended.code == 0, ended.err
-    found = rows(folder / "out")
-    return found[found["label"] == "block 1"]
+    answers = rows(folder / "out")
+    return answers[answers["label"] == "block 1"]
 
 
 # tables of hostile plug-ins: questions to each, limit (s)
@@ -63,21 +72,27 @@ TABLES = {
 
 
 @pytest.fixture(scope="session")
-def made() -> dict[tuple[str, int], Shared]:
-    """The runs made so far: pytest would make one again for every test that comes back to it."""
+def runs() -> dict[tuple[str, int], Shared]:
+    """Cache of the runs made so far.
+
+    pytest would make a run again for every test that comes back to it.
+    """
     return {}
 
 
 @pytest.fixture
 def shared(
     request: pytest.FixtureRequest,
-    made: dict[tuple[str, int], Shared],
+    runs: dict[tuple[str, int], Shared],
     tmp_path_factory: pytest.TempPathFactory,
 ) -> Shared:
-    """The run of one table with so many jobs; the parameter is both."""
+    """The run of one table with some jobs.
+
+    The parameter holds both.
+    """
     kind, jobs = request.param
-    if request.param not in made:
+    if request.param not in runs:
         table, asked, limit = TABLES[kind]
         folder = tmp_path_factory.mktemp(kind)
-        made[request.param] = shared_run(folder, table, asked, jobs, limit)
-    return made[request.param]
+        runs[request.param] = shared_run(folder, table, asked, jobs, limit)
+    return runs[request.param]

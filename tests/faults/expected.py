@@ -1,10 +1,13 @@
-"""What the row of each hostile plug-in must say."""
+"""The expected row of each hostile plug-in."""
 
 from typing import NamedTuple
 
 
 class Case(NamedTuple):
-    """Columns of a plug-in's rows; `message` and `native` are patterns that must be found."""
+    """Expected columns of a plug-in's rows.
+
+    `message` and `native` are patterns that must be found.
+    """
 
     outcome: str
     verdict: str = "none"

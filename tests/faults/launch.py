@@ -1,4 +1,7 @@
-"""Runs of the command in processes of their own, marked, so that none is left behind unseen."""
+"""Marked runs of the command in their own processes.
+
+The marks leave no process behind unseen.
+"""
 
 import os
 import subprocess
@@ -18,7 +21,7 @@ from dubins_study.study.rows.schema import KEY, names
 from tests.marked import alive, kill_all, left_behind, marked
 
 ROOT = Path(__file__).parents[2]
-HERE = Path(__file__).parent
+PLUGINS = ROOT / "tests" / "plugins"
 # far above what any run here takes; only a run that hangs gets there
 PATIENCE = 150.0
 # what differs between two runs that find the same
@@ -28,7 +31,10 @@ MEASURED += ["machine", "jobs", "limit_s", "executor", "run_id", "started"]
 
 
 class Ended(NamedTuple):
-    """A run that ended by itself: exit code, what it printed, and what it left alive."""
+    """A run that ended by itself.
+
+    It has the exit code, what was printed, and what was left alive.
+    """
 
     code: int
     out: str
@@ -37,34 +43,43 @@ class Ended(NamedTuple):
 
 
 class Started(NamedTuple):
-    """A run under way; what it prints goes to files, which no child of it can hold open."""
+    """A run under way.
+
+    It prints to files, which no child of it can hold open.
+    """
 
     process: subprocess.Popen[bytes]
     mark: str
     streams: tuple[IO[bytes], IO[bytes]]
 
     def wait(self) -> Ended:
-        """Wait for the end; a run that hangs is killed and fails the test."""
+        """Wait for the end.
+
+        A run that hangs is killed and fails the test.
+        """
         try:
             code = self.process.wait(PATIENCE)
         except subprocess.TimeoutExpired:
             trees = [f"{p.pid} {p.ppid()} {p.status()}" for p in alive(self.mark)]
-            raise AssertionError(f"the run hangs\n{self.said(1)}\n{trees}") from None
-        return Ended(code, self.said(0), self.said(1), left_behind(self.mark))
+            raise AssertionError(f"the run hangs\n{self.printed(1)}\n{trees}") from None
+        return Ended(code, self.printed(0), self.printed(1), left_behind(self.mark))
 
-    def said(self, stream: int) -> str:
-        """What was printed so far; 0 is stdout, 1 stderr."""
+    def printed(self, stream: int) -> str:
+        """Text printed so far; 0 is stdout, 1 stderr."""
         file = self.streams[stream]
         return os.pread(file.fileno(), 2**24, 0).decode(errors="replace")
 
     def workers(self) -> list[psutil.Process]:
-        """Every process of the run but the one that was started."""
+        """Every process of the run but the first."""
         return [process for process in alive(self.mark) if process.pid != self.process.pid]
 
 
 @contextmanager
 def started(*arguments: object, **options: Any) -> Iterator[Started]:
-    """Start `dubins-study ARGUMENTS`; whatever is left of it at the end is killed."""
+    """Start `dubins-study ARGUMENTS`.
+
+    Whatever is left of it at the end is killed.
+    """
     mark, marking = marked()
     if arguments[0] == "run":
         arguments += ("--trust-plugins",)  # the experiments here name plug-ins
@@ -94,24 +109,33 @@ def study(*arguments: object, **options: Any) -> Ended:
 
 
 def until(condition: Callable[[], Any], run: Started | None = None) -> Any:
-    """Wait for something to become true while a run lives; what it was."""
+    """Wait until a condition holds while a run lives.
+
+    Returns the condition's value.
+    """
     give_up = time.monotonic() + PATIENCE
-    while not (found := condition()):
+    while not (value := condition()):
         if run is not None and run.process.poll() is not None:
-            raise AssertionError(f"the run ended early:\n{run.said(1)}")
+            raise AssertionError(f"the run ended early:\n{run.printed(1)}")
         assert time.monotonic() < give_up
         time.sleep(0.02)
-    return found
+    return value
 
 
 def spec(file: str, name: str, **settings: object) -> str:
-    """The spec of a plug-in in this folder, by the path that rows show as well."""
+    """Spec of a plug-in in `tests/plugins`.
+
+    It has the path that rows show as well.
+    """
     given = ",".join(f"{key}={value}" for key, value in settings.items())
-    return f"{HERE / file}.py:{name}" + (f"[{given}]" if given else "")
+    return f"{PLUGINS / file}.py:{name}" + (f"[{given}]" if given else "")
 
 
 def experiment(folder: Path, *blocks: tuple[list[str], int], name: str = "faults") -> Path:
-    """An experiment that asks each list of solvers so many questions."""
+    """An experiment that asks solvers some questions.
+
+    Each list of solvers has its own number of questions.
+    """
     lines = [f'title = "{name}"', 'question = "is every row there?"', 'solvers = ["analytic"]']
     for number, (solvers, count) in enumerate(blocks):
         lines += [
@@ -127,15 +151,18 @@ def experiment(folder: Path, *blocks: tuple[list[str], int], name: str = "faults
 
 
 def rows(folder: Path) -> pd.DataFrame:
-    """All rows of a folder, one more column telling the plug-in's class."""
-    found = read_rows(folder).to_pandas()
-    found["plugin"] = found["solver"].str.extract(r":(\w+)", expand=False)
-    return found
+    """All rows of a folder with the plug-in's class."""
+    table = read_rows(folder).to_pandas()
+    table["plugin"] = table["solver"].str.extract(r":(\w+)", expand=False)
+    return table
 
 
-def lasting(found: pd.DataFrame) -> pd.DataFrame:
-    """What two runs of one experiment must agree in, sorted by its key."""
-    kept = found.drop(columns=MEASURED, errors="ignore")
+def lasting(table: pd.DataFrame) -> pd.DataFrame:
+    """Columns in which two runs must agree.
+
+    Rows are sorted by the key.
+    """
+    columns = table.drop(columns=MEASURED, errors="ignore")
     for column in ("curvatures", "lengths"):
-        kept[column] = kept[column].map(lambda v: None if v is None else tuple(v))
-    return kept.sort_values(names(KEY), ignore_index=True)
+        columns[column] = columns[column].map(lambda v: None if v is None else tuple(v))
+    return columns.sort_values(names(KEY), ignore_index=True)

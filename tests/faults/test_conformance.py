@@ -1,4 +1,7 @@
-"""Hostile plug-ins through the conformance kit: each is a finding, in plain text."""
+"""The conformance kit finds hostile plug-ins.
+
+Each is a finding, in plain text.
+"""
 
 import re
 
@@ -26,6 +29,6 @@ def test_whatever_a_plugin_does_is_a_finding(name):
     report = check_solver(spec(*name.split(":")), checks=["outcome", check], time_limit=5)
 
     assert report[check].status is Status.FAIL, report
-    found = " ".join(f"{one.observed} {one.advice}" for one in report[check].findings)
-    assert re.search(words, found, re.DOTALL), report
+    message = " ".join(f"{one.observed} {one.advice}" for one in report[check].findings)
+    assert re.search(words, message, re.DOTALL), report
     assert all(character.isprintable() or character == "\n" for character in str(report))

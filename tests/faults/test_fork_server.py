@@ -1,4 +1,7 @@
-"""Workers are forked from a server of our own: the caller's processes are left alone."""
+"""Workers are forked from our own server.
+
+The caller's processes are left alone.
+"""
 
 import json
 import os
@@ -37,7 +40,10 @@ if __name__ == "__main__":
 
 
 def call(folder, solver, before, pause="pass"):
-    """Run such a script in a process of its own; what it printed, and what it left alive."""
+    """Run a script in a process of its own.
+
+    Returns its output, and what it left alive.
+    """
     asking = experiment(folder, ([solver, HONEST], 1))
     script = folder / "caller.py"
     names = {"experiment": str(asking), "out": str(folder / "out")}
@@ -59,7 +65,10 @@ def call(folder, solver, before, pause="pass"):
 @pytest.mark.many(1)
 @pytest.mark.parametrize("before", [False, True])
 def test_the_callers_own_processes_end_at_sigterm(tmp_path, before):
-    """Whether their fork server was started before the run or after it."""
+    """The caller's own processes end at SIGTERM.
+
+    Their fork server was started before the run or after it.
+    """
     (code, children), alive = call(tmp_path, HONEST, before)
 
     assert code == -15
@@ -71,7 +80,7 @@ def test_the_callers_own_processes_end_at_sigterm(tmp_path, before):
 ORPHAN = """
 import time
 from pathlib import Path
-from tests.faults.hostile_endless import Daemon
+from tests.plugins.hostile_endless import Daemon
 class Noted(Daemon):
     def hang(self):
         super().hang()
@@ -83,7 +92,11 @@ class Noted(Daemon):
 @pytest.mark.many(1)
 @pytest.mark.parametrize("before", [False, True])
 def test_orphans_end_with_the_run(tmp_path, before):
-    """Not only when the caller ends: it says itself which of the noted processes still run."""
+    """Orphans end with the run.
+
+    They do so not only when the caller ends: it says itself which of the noted processes still
+    run.
+    """
     pids = tmp_path / "pids"
     check = (
         "import psutil; "

@@ -1,6 +1,8 @@
-"""kill -9 of the whole run at any moment: resume completes exactly what is missing."""
+"""Resume completes a run after kill -9.
 
-import json
+The whole run is killed at any moment; exactly the missing rows are added.
+"""
+
 import time
 from random import Random
 
@@ -18,6 +20,7 @@ from tests.faults.launch import (
     study,
     until,
 )
+from tests.live_run import manifest
 
 MOMENTS = 4
 CELLS = 80
@@ -25,7 +28,10 @@ CELLS = 80
 
 @pytest.fixture
 def asking(tmp_path):
-    """Answers of every outcome that takes no time to come, some cells in two blocks alike."""
+    """An experiment of quick answers of every outcome.
+
+    Some cells are in two blocks alike.
+    """
     solvers = [
         spec("honest", "Honest"),
         spec("honest", "Napping", nap=0.3),
@@ -38,11 +44,15 @@ def asking(tmp_path):
 @pytest.mark.slow
 @pytest.mark.timeout(1500)
 def test_killed_at_random_moments(asking, tmp_path):
-    """Each run is killed some parts and a moment after its start: all of it, or its supervisor.
+    """Killed runs are resumed at random moments.
+
+    Each is killed some parts and a moment after its start: all of it, or its supervisor.
 
     A run that ends before it is killed does not count; the next one begins anew.
     """
-    draw, cut, kept = Random(20260), 0, set()
+    draw = Random(20260)
+    cut = 0
+    earlier = set()
     options = ("--jobs", 2, "--time-limit", 10)
     folders = [tmp_path / "cut 0"]
     while cut < MOMENTS:
@@ -59,13 +69,13 @@ def test_killed_at_random_moments(asking, tmp_path):
                 kill_all(run.mark)
         if not (folders[-1] / "manifest.json").exists():
             continue  # so early that there is no folder yet
-        found = done(folders[-1])
-        assert kept <= found  # what was written stays
-        assert len(rows(folders[-1])) == len(found)
-        kept = found
-        if len(found) == CELLS and finished(folders[-1]):
+        cells = done(folders[-1])
+        assert earlier <= cells  # what was written stays
+        assert len(rows(folders[-1])) == len(cells)
+        earlier = cells
+        if len(cells) == CELLS and finished(folders[-1]):
             folders.append(tmp_path / f"cut {len(folders)}")
-            kept = set()
+            earlier = set()
 
     whole = tmp_path / "whole"
     assert study("run", asking, "--out", whole, *options).code == 0
@@ -84,4 +94,4 @@ def parts(folder):
 
 
 def finished(folder):
-    return bool(json.loads((folder / "manifest.json").read_text())["finished"])
+    return bool(manifest(folder)["finished"])

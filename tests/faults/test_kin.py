@@ -1,4 +1,4 @@
-"""Solvers that turn on the processes around them, and processes that others turn on."""
+"""Solvers and others that kill processes around them."""
 
 import os
 import signal
@@ -12,7 +12,7 @@ HONEST = spec("honest", "Honest")
 
 
 def noted(file):
-    """The process ids that a plug-in wrote down so far."""
+    """Process ids that a plug-in wrote so far."""
     return [int(line) for line in file.read_text().split()] if file.exists() else []
 
 
@@ -32,7 +32,10 @@ def slow_run(folder, nap, count, file="pids"):
 def test_a_worker_that_gets_a_signal_from_outside_is_one_row(
     tmp_path, clean, number, limit, nap, outcome, status
 ):
-    """The cell that it was at; the others know nothing of it."""
+    """A worker that gets a signal is one row.
+
+    The row is of the cell that it was at; the others know nothing of it.
+    """
     asking, file = slow_run(tmp_path, nap, 4)
     options = ("--out", tmp_path / "out", "--jobs", 2, "--time-limit", limit)
     with started("run", asking, *options) as run:
@@ -50,7 +53,10 @@ def test_a_worker_that_gets_a_signal_from_outside_is_one_row(
 
 @pytest.mark.slow
 def test_a_run_that_is_stopped_for_a_while_refuses_no_honest_time(tmp_path):
-    """Solves go on while the run stands still, so they take longer than the run saw pass."""
+    """A stopped run refuses no honest time.
+
+    Solves go on while the run stands still, so they take longer than the run saw pass.
+    """
     asking, file = slow_run(tmp_path, 0.7, 6)
     with started("run", asking, "--out", tmp_path / "out", "--time-limit", 20) as run:
         for naps in (1, 3):
@@ -66,8 +72,11 @@ def test_a_run_that_is_stopped_for_a_while_refuses_no_honest_time(tmp_path):
 
 @pytest.mark.slow
 def test_an_idle_worker_killed_from_outside_costs_no_row(tmp_path):
-    """Every process of the run but the first, killed in between; whatever they did, each cell
-    has one row."""
+    """Idle workers killed from outside cost no row.
+
+    Every process of the run but the first is killed in between; whatever they did, each cell has
+    one row.
+    """
     asking, file = slow_run(tmp_path, 0.3, 12)
     with started("run", asking, "--out", tmp_path / "out", "--jobs", 2, "--time-limit", 20) as run:
         for n in (1, 4, 8):
@@ -77,17 +86,20 @@ def test_an_idle_worker_killed_from_outside_costs_no_row(tmp_path):
         ended = run.wait()
 
     assert ended.code == 0, ended.err
-    found = rows(tmp_path / "out")
-    assert len(found) == 20
-    assert not found.duplicated(["solver", "target_x", "label"]).any()
-    assert set(found["outcome"]) <= {"returned", "crashed"}
-    assert set(found[found["outcome"] == "returned"]["verdict"]) == {"optimal"}
+    table = rows(tmp_path / "out")
+    assert len(table) == 20
+    assert not table.duplicated(["solver", "target_x", "label"]).any()
+    assert set(table["outcome"]) <= {"returned", "crashed"}
+    assert set(table[table["outcome"] == "returned"]["verdict"]) == {"optimal"}
     assert ended.alive == []
 
 
 @pytest.mark.parametrize("name", ["OwnSession", pytest.param("Stopped", marks=pytest.mark.slow)])
 def test_workers_die_with_their_supervisor(tmp_path, name):
-    """Only the supervisor is killed, and its workers answer to nobody."""
+    """Workers die with their supervisor.
+
+    Only the supervisor is killed, and its workers answer to nobody.
+    """
     napping = spec("honest", "Napping", nap=600, note=tmp_path / "pids")
     asking = experiment(tmp_path, ([spec("hostile_endless", name), napping], 1))
     options = ("--jobs", 2, "--time-limit", 600, "--out", tmp_path / "out")

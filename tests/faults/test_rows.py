@@ -1,4 +1,7 @@
-"""Hostile plug-ins beside an honest one: one right row each, and nothing left behind."""
+"""Hostile plug-ins beside an honest one.
+
+Each has one right row, and nothing is left behind.
+"""
 
 import re
 from pathlib import Path
@@ -27,7 +30,7 @@ in_a_quick_run = pytest.mark.parametrize("shared", RUNS[:2], indirect=True)
 
 
 def check(found, case):
-    """The rows of one plug-in against what is expected of them."""
+    """Check the rows of one plug-in."""
     shown = found[["outcome", "verdict", "native_status", "message"]].to_dict("records")
     for row in found.to_dict("records"):
         assert re.fullmatch(case.outcome, row["outcome"]), shown
@@ -47,11 +50,11 @@ def of(run, name):
 
 @pytest.mark.parametrize(("shared", "name"), EACH, indirect=["shared"])
 def test_each_has_its_rows(shared, name):
-    found = of(shared, name)
+    case_rows = of(shared, name)
 
-    assert len(found) == shared.asked
-    check(found, shared.table[name])
-    late = found[found["outcome"] == "timeout"]
+    assert len(case_rows) == shared.asked
+    check(case_rows, shared.table[name])
+    late = case_rows[case_rows["outcome"] == "timeout"]
     # generous: how late exactly is for the benchmarks
     assert late["wall_s"].between(shared.limit, shared.limit + 5).all()
 
@@ -74,7 +77,10 @@ def test_the_honest_solver_beside_them_answers_as_if_alone(shared, clean):
 
 @in_every_run
 def test_no_process_outlives_the_run(shared):
-    """By its mark, and by the numbers that the plug-ins wrote down of themselves."""
+    """No process outlives the run.
+
+    It is looked for by its mark, and by the numbers that the plug-ins wrote down of themselves.
+    """
     noted = shared.scratch / "pids"
     pids = [int(line) for line in noted.read_text().split()] if noted.exists() else []
 
@@ -94,7 +100,10 @@ def status(pid):
 
 @in_every_run
 def test_what_solvers_print_stays_theirs(shared):
-    """stdout holds the run's own summary; no log on stderr grows with what solvers print."""
+    """Solvers' output stays out of the run's output.
+
+    stdout holds the run's own summary; no log on stderr grows with what solvers print.
+    """
     out, err = shared.ended.out, shared.ended.err
 
     for theirs in ("flood", "variables", "licence licence", "Assertion", "<script>", "\x1b[31mred"):
@@ -107,7 +116,10 @@ def test_what_solvers_print_stays_theirs(shared):
 
 @in_a_quick_run
 def test_words_are_short_and_can_be_shown(shared):
-    """Last words and errors fit a row, and hold nothing that a terminal obeys."""
+    """Messages are short and can be shown.
+
+    Last words and errors fit a row, and hold nothing that a terminal obeys.
+    """
     crashed = shared.rows[shared.rows["outcome"] == "crashed"]
     others = shared.rows[shared.rows["outcome"] != "crashed"]
 

@@ -1,4 +1,4 @@
-"""Ctrl-C and SIGTERM in the middle of a long cell."""
+"""Ctrl-C and SIGTERM within a long cell."""
 
 import os
 import signal
@@ -15,8 +15,12 @@ HONEST = spec("honest", "Honest")
 
 
 def during_a_cell(tmp_path, numbers, jobs, limit, nap=600.0, under_way=1):
-    """Signals to the whole group, as a terminal sends them, once the long cells are under way."""
-    file, out = tmp_path / "pids", tmp_path / "out"
+    """Signal the whole group during a long cell.
+
+    A terminal sends such signals. They come once the long cells are under way.
+    """
+    file = tmp_path / "pids"
+    out = tmp_path / "out"
     napping = spec("honest", "Napping", nap=nap, note=file)
     asking = experiment(tmp_path, ([napping], 4), ([HONEST], 8))
     options = ("--out", out, "--jobs", jobs, "--time-limit", limit)
@@ -34,7 +38,10 @@ def during_a_cell(tmp_path, numbers, jobs, limit, nap=600.0, under_way=1):
 
 
 def kept(out, ended):
-    """The cells that the run says it kept are those that the folder holds."""
+    """Check that the folder holds the kept cells.
+
+    The run says how many it kept.
+    """
     count = len(done(out))
     assert f"interrupted; {count} of 12 cells are done and kept" in ended.err
     return rows(out)
@@ -42,7 +49,9 @@ def kept(out, ended):
 
 @pytest.mark.parametrize(("number", "jobs"), [(signal.SIGINT, 1), (signal.SIGTERM, 2)])
 def test_the_first_lets_the_cell_come_to_its_limit(tmp_path, number, jobs):
-    """A cell that never ends is a timeout like any other; then the run stops.
+    """After the first signal the cell reaches its limit.
+
+    A cell that never ends is a timeout like any other; then the run stops.
 
     SIGTERM is what a machine that shuts down sends, or a batch system.
     """
@@ -73,7 +82,10 @@ def test_the_first_lets_the_cell_be_answered(tmp_path, jobs):
 
 
 def test_the_second_stops_at_once(tmp_path):
-    """Long before the limit of ten minutes; the cell under way has no row."""
+    """The second signal stops at once.
+
+    That is long before the limit of ten minutes; the cell under way has no row.
+    """
     ended, _, out = during_a_cell(tmp_path, [signal.SIGINT, signal.SIGINT], 2, 600)
 
     assert ended.code == 130, ended.err

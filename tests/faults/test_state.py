@@ -1,4 +1,7 @@
-"""Solvers that change what a process shares: no other solver's row shows it."""
+"""No solver's changed state shows in others' rows.
+
+The solvers change what a process shares.
+"""
 
 import os
 import re
@@ -10,8 +13,8 @@ from dubins_study.experiments.isolation.worker_process import Allowance
 from dubins_study.experiments.plan import solver_description
 from dubins_study.solvers.protocol import MAX_ARCS
 from dubins_study.solvers.registry import SolverError
-from tests.faults.hostile_state import STATES
 from tests.faults.launch import experiment, lasting, rows, spec, study
+from tests.plugins.hostile_state import STATES
 
 TAINTING = spec("hostile_state", "Tainting")
 WITNESS = spec("hostile_state", "Witness")
@@ -23,7 +26,10 @@ N = len(STATES)
     scope="module", params=[1, pytest.param(2, marks=pytest.mark.slow)], ids=lambda n: f"{n} jobs"
 )
 def tainted(request, tmp_path_factory):
-    """Every state changed, and witnesses in between, in a drawn order."""
+    """A run of every changed state.
+
+    Witnesses are in between, in a drawn order.
+    """
     folder = tmp_path_factory.mktemp("tainted")
     asking = experiment(folder, ([TAINTING, SOMETIMES], N), ([WITNESS], 2 * N))
     options = ("--jobs", request.param, "--time-limit", 1, "--out", folder / "out")
@@ -35,7 +41,10 @@ def tainted(request, tmp_path_factory):
 @pytest.mark.smoke
 @pytest.mark.parametrize("name", STATES)
 def test_the_witness_would_see_it(name):
-    """Each change, made in a process of its own, is told apart from its absence."""
+    """The witness sees each change.
+
+    Each change, made in a process of its own, is told apart from its absence.
+    """
     change, changed = STATES[name]
     child = os.fork()
     if child == 0:
@@ -62,29 +71,29 @@ def test_every_row_is_there(tainted):
 
 
 def test_who_changes_things_is_still_judged(tainted):
-    found = tainted[1]
-    found = found[found["plugin"] == "Tainting"]
+    table = tainted[1]
+    table = table[table["plugin"] == "Tainting"]
 
-    assert set(found["outcome"]) == {"returned"}, set(found["message"])
-    assert set(found["verdict"]) == {"optimal"}
+    assert set(table["outcome"]) == {"returned"}, set(table["message"])
+    assert set(table["verdict"]) == {"optimal"}
 
 
 def test_nobody_else_notices(tainted):
-    found = tainted[1]
-    found = found[found["plugin"] == "Witness"]
+    table = tainted[1]
+    table = table[table["plugin"] == "Witness"]
 
-    assert set(found["message"]) == {""}
-    assert set(found["verdict"]) == {"optimal"}
+    assert set(table["message"]) == {""}
+    assert set(table["verdict"]) == {"optimal"}
 
 
 def test_one_that_dies_now_and_then_dies_exactly_there(tainted):
-    found = tainted[1]
-    found = found[found["plugin"] == "SomeTimes"].sort_values("target_x")
+    table = tainted[1]
+    table = table[table["plugin"] == "SomeTimes"].sort_values("target_x")
     dies = [round(x * 1000) % 3 == 0 for x in np.linspace(2.0, 9.0, N)]
 
     assert 0 < sum(dies) < N
-    assert list(found["outcome"]) == ["crashed" if dead else "returned" for dead in dies]
-    assert list(found["native_status"] == "SIGABRT") == dies
+    assert list(table["outcome"]) == ["crashed" if dead else "returned" for dead in dies]
+    assert list(table["native_status"] == "SIGABRT") == dies
 
 
 @pytest.mark.slow
@@ -94,11 +103,11 @@ def test_a_path_of_as_many_arcs_as_allowed_is_a_row_like_any_other(tmp_path, cle
     ended = study("run", asking, "--out", tmp_path / "out", "--jobs", 2)
 
     assert ended.code == 0, ended.err
-    found = rows(tmp_path / "out").sort_values("plugin")
-    assert len(found) == 9
-    assert found["curvatures"].iloc[-1].size == MAX_ARCS
-    assert set(found["verdict"]) == {"optimal"}
-    assert lasting(found[found["plugin"] == "Honest"]).equals(lasting(clean))
+    table = rows(tmp_path / "out").sort_values("plugin")
+    assert len(table) == 9
+    assert table["curvatures"].iloc[-1].size == MAX_ARCS
+    assert set(table["verdict"]) == {"optimal"}
+    assert lasting(table[table["plugin"] == "Honest"]).equals(lasting(clean))
 
 
 # What a plug-in does as its file is read or its class is made, always and in workers only.
@@ -128,7 +137,10 @@ BEFORE = [
 @pytest.mark.many(1)
 @pytest.mark.parametrize(("what", "where"), BEFORE)
 def test_plugins_that_go_wrong_before_they_are_asked(tmp_path, clean, what, where):
-    """Refused with one message, or a row of each cell; never a run that dies or hangs."""
+    """Plug-ins that go wrong early are refused.
+
+    They are refused with one message, or have a row of each cell. A run never dies or hangs.
+    """
     lines = {"imported": "", "made": "pass"} | {where: LINES[what]}
     file = tmp_path / "plugin.py"
     file.write_text(PLUGIN.format(**lines))
@@ -147,12 +159,12 @@ def refused(folder, file, clean):
         assert not (folder / "out").exists()
         return
     assert ended.code == 0, (ended.code, ended.err)
-    found = rows(folder / "out")
-    assert len(found) == 9
-    assert set(found[found["plugin"] == "Plugin"]["outcome"]) <= {
+    table = rows(folder / "out")
+    assert len(table) == 9
+    assert set(table[table["plugin"] == "Plugin"]["outcome"]) <= {
         *("unavailable", "crashed", "raised", "timeout", "returned")
     }
-    assert lasting(found[found["plugin"] == "Honest"]).equals(lasting(clean))
+    assert lasting(table[table["plugin"] == "Honest"]).equals(lasting(clean))
 
 
 def test_a_plugin_that_never_ends_to_load_is_refused(tmp_path, monkeypatch):
@@ -167,7 +179,10 @@ def test_a_plugin_that_never_ends_to_load_is_refused(tmp_path, monkeypatch):
 @pytest.mark.slow
 @pytest.mark.parametrize("what", ["dies", "raises"])
 def test_plugins_that_go_wrong_only_in_a_worker(tmp_path, clean, what):
-    """The class was read once without harm; then each of its cells is a row."""
+    """Plug-ins that fail only in a worker give rows.
+
+    The class was read once without harm; then each of its cells is a row.
+    """
     file = tmp_path / "plugin.py"
     seen = tmp_path / "seen"
     guard = f"if os.path.exists({str(seen)!r}): {LINES[what]}\nopen({str(seen)!r}, 'w').close()"
@@ -177,14 +192,17 @@ def test_plugins_that_go_wrong_only_in_a_worker(tmp_path, clean, what):
 
 @pytest.mark.smoke
 def test_state_of_the_caller_is_left_alone(tmp_path):
-    """A run from Python changes nothing of the process that asks for it."""
+    """The caller's state is left alone.
+
+    A run from Python changes nothing of the process that asks for it.
+    """
     from dubins_study import run
 
     before = os.getcwd(), dict(os.environ), np.geterr()  # noqa: PTH109
-    own = {name for name, (_, changed) in STATES.items() if changed()}  # pytest's alarm, say
+    changes = {name for name, (_, changed) in STATES.items() if changed()}  # pytest's alarm, say
     asking = experiment(tmp_path, ([TAINTING], N))
     run(asking, tmp_path / "out", time_limit=5, trust_plugins=True)
 
     assert (os.getcwd(), dict(os.environ), np.geterr()) == before  # noqa: PTH109
-    assert {name for name, (_, changed) in STATES.items() if changed()} == own
-    assert own <= {"alarm"}
+    assert {name for name, (_, changed) in STATES.items() if changed()} == changes
+    assert changes <= {"alarm"}

@@ -1,4 +1,7 @@
-"""Canaries that sing if code from data is run, and a small run."""
+"""A small run, and canaries for executed data.
+
+A canary sings if code from data is run.
+"""
 
 from collections.abc import Iterator
 from pathlib import Path
@@ -29,9 +32,10 @@ target_y = -3
 
 @pytest.fixture(scope="module")
 def song(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
-    """A folder with a plug-in `canary.py` and a program `canary`, which is on PATH.
+    """A folder with a plug-in and a program.
 
-    Whichever runs leaves a file; the folder is the working directory, and must not change.
+    They are `canary.py` and `canary`; the folder is on PATH. Whichever runs leaves a file. The
+    folder is the working directory, and must not change.
     """
     cage = tmp_path_factory.mktemp("cage")
     left = tmp_path_factory.mktemp("song") / "sung"
@@ -42,14 +46,14 @@ def song(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
     patch = pytest.MonkeyPatch()
     patch.setenv("PATH", str(cage), prepend=":")
     patch.chdir(cage)
-    held = sorted(cage.iterdir())
+    contents = sorted(cage.iterdir())
     yield left
     patch.undo()
-    assert sorted(cage.iterdir()) == held
+    assert sorted(cage.iterdir()) == contents
 
 
 class SmallRun(NamedTuple):
-    """A finished run and the experiment that it is of."""
+    """A finished run and its experiment."""
 
     folder: Path
     experiment: Path

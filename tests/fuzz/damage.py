@@ -1,4 +1,7 @@
-"""What accidents do to a results folder: files that are cut, flipped, mixed, doubled or gone."""
+"""Accidents that befall a results folder.
+
+Files are cut, flipped, mixed, doubled or gone.
+"""
 
 import random
 import shutil
@@ -10,7 +13,10 @@ def _part(folder: Path, dice: random.Random) -> Path:
 
 
 def flip(folder: Path, dice: random.Random) -> None:
-    """Some bits of a part, in its rows or in the metadata at its end."""
+    """Flip some bits of a part.
+
+    They lie in its rows or in the metadata at its end.
+    """
     part = _part(folder, dice)
     content = bytearray(part.read_bytes())
     first = dice.choice([0, max(0, len(content) - 3000)])
@@ -20,7 +26,7 @@ def flip(folder: Path, dice: random.Random) -> None:
 
 
 def overwrite(folder: Path, dice: random.Random) -> None:
-    """Four bytes of a part, as a bad block of a disk does."""
+    """Overwrite four bytes, as a bad block does."""
     part = _part(folder, dice)
     content = bytearray(part.read_bytes())
     at = dice.randrange(len(content) - 4)
@@ -29,7 +35,10 @@ def overwrite(folder: Path, dice: random.Random) -> None:
 
 
 def cut(folder: Path, dice: random.Random) -> None:
-    """The manifest or a part, as a copy that did not finish leaves it."""
+    """Cut the manifest or a part.
+
+    A copy that did not finish leaves such a file.
+    """
     file = dice.choice([folder / "manifest.json", _part(folder, dice)])
     content = file.read_bytes()
     file.write_bytes(content[: dice.randrange(len(content))])
@@ -44,7 +53,7 @@ def lengthen(folder: Path, dice: random.Random) -> None:
 
 
 def mix(folder: Path, dice: random.Random) -> None:
-    """The beginning of one part and the end of another."""
+    """Join the beginning and end of two parts."""
     one, other = _part(folder, dice), _part(folder, dice)
     content, end = one.read_bytes(), other.read_bytes()
     at = dice.randrange(len(content))
@@ -52,7 +61,10 @@ def mix(folder: Path, dice: random.Random) -> None:
 
 
 def double(folder: Path, dice: random.Random) -> None:
-    """A copy of a part beside it, and what a program that syncs folders leaves."""
+    """Copy a part beside itself.
+
+    A program that syncs folders leaves such a copy and a temporary file.
+    """
     shutil.copyfile(_part(folder, dice), folder / "parts" / "copy.parquet")
     (folder / "parts" / "copy.parquet.tmp").write_bytes(b"PAR1")
 

@@ -1,4 +1,4 @@
-"""Texts, numbers and nested values that no honest file holds."""
+"""Texts and values that no honest file holds."""
 
 from hypothesis import HealthCheck, settings
 from hypothesis import strategies as st

@@ -1,4 +1,7 @@
-"""What a page and a table may hold, told from the templates and not from what they say."""
+"""Allowed contents of a page and a table.
+
+They are told from the templates and not from what those say.
+"""
 
 import json
 import re
@@ -50,12 +53,12 @@ class _Page(HTMLParser):
     def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
         if tag not in _ELEMENTS:
             self.odd.append(f"<{tag}>")
-        for name, said in attrs:
-            value = said or ""
-            told = name in _VALUES and not re.fullmatch(_VALUES[name], value)
+        for name, text in attrs:
+            value = text or ""
+            strange = name in _VALUES and not re.fullmatch(_VALUES[name], value)
             marked = MARK in value and name not in _TEXTS and name not in _VALUES
-            if name not in _ATTRIBUTES or told or marked:
-                self.odd.append(f"<{tag} {name}={said!r}>")
+            if name not in _ATTRIBUTES or strange or marked:
+                self.odd.append(f"<{tag} {name}={text!r}>")
         self._in_script = (dict(attrs).get("type") or "program") if tag == "script" else ""
 
     def handle_endtag(self, tag: str) -> None:
@@ -81,7 +84,10 @@ class _Page(HTMLParser):
 
 
 def odd_parts(html: str) -> list[str]:
-    """What stands in a page that no template of ours writes: elements, attributes, programs."""
+    """Parts of a page that no template writes.
+
+    They are elements, attributes and programs.
+    """
     page = _Page()
     page.feed(html)
     page.close()
@@ -89,7 +95,10 @@ def odd_parts(html: str) -> list[str]:
 
 
 def check_report(folder: Path) -> None:
-    """A report that nobody has to fear, whatever its rows and manifests say."""
+    """Check that a report is harmless.
+
+    Its rows and manifests may say anything.
+    """
     html = (folder / "index.html").read_text(encoding="utf-8")
     assert not (odd := odd_parts(html)), odd[:5]
     assert not _controls(html)
@@ -106,13 +115,13 @@ def _check_tex(text: str) -> None:
 
 
 def _controls(text: str) -> set[str]:
-    """Control characters, and those that turn the direction of writing."""
+    """Control characters, and those that turn writing."""
     turning = set("\u202a\u202b\u202c\u202d\u202e\u2066\u2067\u2068\u2069")
     return raw_controls(text) | (turning & set(text))
 
 
 def check_json(text: str) -> None:
-    """JSON as its standard has it: no NaN, no infinity."""
+    """Check JSON by its standard: no NaN, no infinity."""
 
     def refuse(name: str) -> None:
         raise AssertionError(f"{name} is not JSON")

@@ -1,4 +1,7 @@
-"""Any words at all after `dubins-study`: an answer, or one refusal; never a traceback."""
+"""Any words after `dubins-study` are answered or refused.
+
+There is one refusal, and never a traceback.
+"""
 
 import re
 import shutil
@@ -37,7 +40,10 @@ _JUNK = st.one_of(st.sampled_from(_WORDS), _NUMBERS, _PLACES)
 
 
 def _option(name: str, *values: st.SearchStrategy[str]) -> st.SearchStrategy[list[str]]:
-    """An option with values that fit, or do not; with too many, or none."""
+    """An option with values.
+
+    They fit, or do not; there may be too many, or none.
+    """
     right = st.tuples(st.just(name), *values).map(list)
     odd = st.tuples(st.just(name), st.lists(_JUNK, max_size=4)).map(lambda p: [p[0], *p[1]])
     joined = st.tuples(*values, _JUNK).map(lambda p: [f"{name}={p[0]}"])
@@ -100,7 +106,10 @@ _COMMANDS: dict[str, tuple[st.SearchStrategy[list[str]], list[st.SearchStrategy[
 
 @st.composite
 def requests(draw: st.DrawFn, plots: bool = False) -> list[str]:
-    """A command line: mostly as the help says, with something missing, doubled or out of place."""
+    """A command line, often wrong.
+
+    It is mostly as the help says, with something missing, doubled or out of place.
+    """
     name = "solve" if plots else draw(st.sampled_from(list(_COMMANDS)))
     words, options = _COMMANDS[name]
     chosen = draw(st.lists(st.one_of(*options), max_size=4)) if options else []
@@ -121,7 +130,7 @@ def requests(draw: st.DrawFn, plots: bool = False) -> list[str]:
 
 @pytest.fixture(scope="module")
 def place(tmp_path_factory, small_run, song):
-    """A working directory with all kinds of things in it."""
+    """A working directory with all kinds of things."""
     folder = tmp_path_factory.mktemp("outer") / "inner"
     folder.mkdir()
     (folder / "file").write_text("text")
@@ -155,19 +164,19 @@ _GROUPS = ([], ["new"])
 def test_a_request_is_answered_or_refused(words, place, song):
     outer = sorted(place.parent.iterdir())
     with temporary_files_in(place):
-        said = command(*words)
-    assert said.code in (0, 1, 2)
-    assert "Traceback" not in said.out + said.err
-    if said.code == 2:
+        result = command(*words)
+    assert result.code in (0, 1, 2)
+    assert "Traceback" not in result.out + result.err
+    if result.code == 2:
         # an answer is kept if its drawing fails
-        assert not said.out or any(word.startswith("--plot") for word in words)
+        assert not result.out or any(word.startswith("--plot") for word in words)
         if words not in _GROUPS:
-            assert re.fullmatch(r"dubins-study: [^\n]+\n(  [^\n]+\n)*", said.err)
-            assert not raw_controls(said.err)
+            assert re.fullmatch(r"dubins-study: [^\n]+\n(  [^\n]+\n)*", result.err)
+            assert not raw_controls(result.err)
     else:
-        assert said.out or any(word.startswith("--out") for word in words)
-        assert not raw_controls(said.out)
+        assert result.out or any(word.startswith("--out") for word in words)
+        assert not raw_controls(result.out)
         if "--json" in words and "--help" not in words:
-            check_json(said.out)
+            check_json(result.out)
     assert not song.exists()
     assert sorted(place.parent.iterdir()) == outer

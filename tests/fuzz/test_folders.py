@@ -1,4 +1,7 @@
-"""Damaged results folders: never another number; `tests/processes` makes them whole again."""
+"""Damaged results folders never give another number.
+
+`tests/processes` makes them whole again.
+"""
 
 import random
 import shutil
@@ -26,8 +29,12 @@ def expected(small_run) -> pd.DataFrame:
 
 @pytest.fixture(scope="module")
 def damaged(small_run, tmp_path_factory):
-    """Makes a copy of the small run in two parts, with one damage."""
-    place, number = tmp_path_factory.mktemp("damaged"), 0
+    """Makes a damaged copy of the small run.
+
+    The copy has two parts and one damage.
+    """
+    place = tmp_path_factory.mktemp("damaged")
+    number = 0
 
     def make(damage, seed: int) -> Path:
         nonlocal number
@@ -43,7 +50,10 @@ def damaged(small_run, tmp_path_factory):
 @settings(LONG_LIVED)
 @given(damage=st.sampled_from(DAMAGES), seed=st.integers(0, 2**32 - 1))
 def test_a_damaged_folder_never_gives_another_number(damage, seed, damaged, expected):
-    """What is read of a damaged folder stood there before; the rest is told."""
+    """A damaged folder never gives another number.
+
+    What is read of it stood there before; the rest is told.
+    """
     folder = damaged(damage, seed)
     try:
         rows = load_results(folder).set_index(CELL)[NUMBERS]

@@ -1,4 +1,7 @@
-"""The judge of pages sees what a page must not hold, and lets pass what our templates write."""
+"""The judge of pages forbids and allows rightly.
+
+It sees what a page must not hold, and lets pass what our templates write.
+"""
 
 from html import escape
 

@@ -1,4 +1,7 @@
-"""What solvers say of themselves is text wherever it is shown: page, tables, terminal, JSON."""
+"""Solvers' words are text wherever they are shown.
+
+The places are page, tables, terminal and JSON.
+"""
 
 import json
 
@@ -32,16 +35,21 @@ class Rude(Slsqp):
 
 @st.composite
 def rows(draw):
-    """Some attempts, a few of them with a path, with any texts where a plug-in may put its own."""
-    made = []
+    """Attempts with any texts from a plug-in.
+
+    A few of them have a path.
+    """
+    attempts = []
     for number in range(draw(st.integers(1, 5))):
-        said = {name: draw(words) for name in ("message", "native_status", "word", "run_id")}
+        texts_of_row = {
+            name: draw(words) for name in ("message", "native_status", "word", "run_id")
+        }
         scenario = Scenario(0, 0, 0, 5, number + 2, 1, label=draw(words))
         path = draw(st.sampled_from(["exact", None]))
-        made.append(attempt(scenario, draw(words) or "s", path=path, **said))
+        attempts.append(attempt(scenario, draw(words) or "s", path=path, **texts_of_row))
         if draw(st.booleans()):
-            made[-1] |= {name: draw(words) for name in ("outcome", "claim", "verdict", "proof")}
-    return made
+            attempts[-1] |= {name: draw(words) for name in ("outcome", "claim", "verdict", "proof")}
+    return attempts
 
 
 @pytest.mark.slow
@@ -51,28 +59,31 @@ def test_words_of_rows_are_shown_as_text(made, name, tmp_path_factory):
     folder = write_folder(tmp_path_factory.mktemp("words") / "run", name, made, cells=len(made))
     for request in (["status"], ["status", "--json"], ["report"]):
         with without_pdf_files():
-            said = command(*request, str(folder))
-        assert said.code == 0, said.err
-        assert not raw_controls(said.out)
+            result = command(*request, str(folder))
+        assert result.code == 0, result.err
+        assert not raw_controls(result.out)
         if "--json" in request:
-            check_json(said.out)
+            check_json(result.out)
     check_report(folder / "report")
 
 
 @pytest.mark.slow
 def test_a_rude_plugin_is_quoted(tmp_path):
-    """It is asked for real, once; its words come through escaped, and JSON stays JSON."""
+    """A rude plug-in is quoted.
+
+    It is asked for real, once; its words come through escaped, and JSON stays JSON.
+    """
     text = "".join(word for word in HOSTILE if MARK in word)
     plugin = tmp_path / "rude.py"
     plugin.write_text(_RUDE.format(text=text))
     spec = f"{plugin}:Rude"
 
     plain = command("solve", "3", "2", "--solver", spec)
-    said = command("solve", "3", "2", "--solver", spec, "--json")
+    result = command("solve", "3", "2", "--solver", spec, "--json")
 
     assert "<script>" in plain.out
     assert not raw_controls(plain.out)
-    assert json.loads(said.out)["message"] == text
+    assert json.loads(result.out)["message"] == text
     experiment = tmp_path / "rude.toml"
     experiment.write_text(
         'title = "t"\nquestion = "q"\nsolvers = ["analytic"]\n'

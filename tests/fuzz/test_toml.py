@@ -1,4 +1,7 @@
-"""Damaged files of experiments: parsed, or refused in a few lines; never a traceback."""
+"""Damaged experiment files are parsed or refused.
+
+A refusal has a few lines, and never a traceback.
+"""
 
 from pathlib import Path
 
@@ -13,11 +16,15 @@ from tests.fuzz.watched import raw_controls
 FOLDER = Path(__file__).parents[2] / "src" / "dubins_study" / "experiments"
 PACKAGED = [(FOLDER / f"{name}.toml").read_bytes() for name in packaged()]
 # characters of a line that quotes what it is about, and lines
-LONGEST, MOST_LINES = 1000, 21
+LONGEST = 1000
+MOST_LINES = 21
 
 
 def check_lines(message: str) -> None:
-    """One line, or a head and an indented line a mistake, none of them without end."""
+    """Check the lines of a refusal.
+
+    There is one line, or a head and an indented line a mistake, none of them without end.
+    """
     head, *mistakes = message.split("\n")
     assert len(head) < LONGEST
     assert all(line.startswith("  ") and len(line) < LONGEST for line in mistakes)
@@ -36,7 +43,10 @@ _bits = st.sampled_from(
 
 @st.composite
 def mutilated(draw: st.DrawFn, originals: list[bytes]) -> bytes:
-    """A file with some of its bytes cut, doubled, replaced or moved."""
+    """A damaged file.
+
+    Some of its bytes are cut, doubled, replaced or moved.
+    """
     content = bytearray(draw(st.sampled_from(originals)))
     for _ in range(draw(st.integers(1, 4))):
         at = draw(st.integers(0, max(0, len(content) - 1)))

@@ -1,4 +1,7 @@
-"""A command in this process: what it says, and the temporary files that it leaves."""
+"""A command in this process, and what it leaves.
+
+Its output and its temporary files are watched.
+"""
 
 import contextlib
 import functools
@@ -14,14 +17,20 @@ from unittest import mock
 
 @functools.cache
 def _freeze_modules() -> None:
-    """Leave what is loaded by now out of collections: each would look through all libraries."""
+    """Keep all loaded objects out of collections.
+
+    Each collection would look through all libraries.
+    """
     gc.collect()
     gc.freeze()
 
 
 @contextlib.contextmanager
 def temporary_files_in(folder: Path) -> Iterator[None]:
-    """Let temporary files lie in a folder, and see to it that none is left."""
+    """Put temporary files into a folder.
+
+    None may be left at the end.
+    """
     _freeze_modules()
     scratch = folder / "temporary files"
     scratch.mkdir()
@@ -31,7 +40,7 @@ def temporary_files_in(folder: Path) -> Iterator[None]:
     scratch.rmdir()
 
 
-class Said(NamedTuple):
+class CommandResult(NamedTuple):
     """How a command ended, and what it printed."""
 
     code: int
@@ -39,11 +48,15 @@ class Said(NamedTuple):
     err: str
 
 
-def command(*arguments: str) -> Said:
-    """`dubins-study` in this process, its streams as strict as a terminal's."""
+def command(*arguments: str) -> CommandResult:
+    """Run `dubins-study` in this process.
+
+    Its streams are as strict as a terminal's.
+    """
     from dubins_study.cli.app import main
 
-    kept, streams = (sys.argv, sys.stdout, sys.stderr), (io.BytesIO(), io.BytesIO())
+    original = (sys.argv, sys.stdout, sys.stderr)
+    streams = (io.BytesIO(), io.BytesIO())
     sys.argv = ["dubins-study", *arguments]
     errors = ("strict", "backslashreplace")
     wrapped = [
@@ -57,11 +70,16 @@ def command(*arguments: str) -> Said:
     except SystemExit as end:
         code = end.code
     finally:
-        sys.argv, sys.stdout, sys.stderr = kept
+        sys.argv, sys.stdout, sys.stderr = original
     out, err = (stream.getvalue().decode("utf-8") for stream in streams)
-    return Said(0 if code is None else code, out, err)
+    if code is None:
+        code = 0
+    return CommandResult(code, out, err)
 
 
 def raw_controls(text: str) -> set[str]:
-    """Control characters in what was printed, line ends left out: a terminal would obey them."""
+    """Control characters in a text, without line ends.
+
+    A terminal would obey them.
+    """
     return {c for c in text if (ord(c) < 32 and c not in "\n\t") or 127 <= ord(c) < 160}

@@ -1,4 +1,7 @@
-"""What one interpreter does alone: what it loads, what it prints, what a forked child of it can."""
+"""Behaviour of a single interpreter.
+
+Tested are what it loads, what it prints, and what a forked child of it can do.
+"""
 
 import os
 import platform
@@ -55,7 +58,10 @@ def loaded_by(program: str) -> set[str]:
 
 @pytest.mark.smoke
 def test_the_registry_imports_no_backend():
-    """Names can be listed without loading one backend or its libraries."""
+    """The registry imports no backend.
+
+    Names can be listed without loading one backend or its libraries.
+    """
     loaded = loaded_by("from dubins_study.solvers.registry import registered; assert registered()")
 
     assert not loaded & {"casadi", "cvxpy", "pyomo", "scipy", "numba", "pandas"}
@@ -91,7 +97,10 @@ def test_every_public_name_is_there_when_asked_for():
 
 @pytest.mark.slow
 def test_a_run_without_streams_loads_no_numba(tmp_path):
-    """Rows are judged one at a time; the compiled kernels take half a second to load."""
+    """A run without streams loads no numba.
+
+    Rows are judged one at a time; the compiled kernels take half a second to load.
+    """
     program = f"run('paper', {str(tmp_path / 'out')!r}, solvers=['slsqp'])"
 
     assert "numba" not in loaded_by(f"from dubins_study import run; {program}")
@@ -99,7 +108,10 @@ def test_a_run_without_streams_loads_no_numba(tmp_path):
 
 @pytest.mark.slow
 def test_no_solver_but_the_closed_form_loads_the_answer_or_the_check():
-    """Not even by an import that no source names, on a question without a path."""
+    """Only the closed form loads answer or check.
+
+    Other solvers do not, not even by an import that no source names, on a question without a path.
+    """
     answers = ("dubins_study.study.closed_form", "dubins_study.study.check")
 
     assert [name for name in loaded_by(ASK_ALL) if name.startswith(answers)] == []
@@ -108,7 +120,10 @@ def test_no_solver_but_the_closed_form_loads_the_answer_or_the_check():
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["slsqp", "ipopt", "nlopt-slsqp"])
 def test_an_engine_loads_no_other_engines_package(name):
-    """Of the packages of all engines, a question loads those of the engine that answers it."""
+    """An engine loads no other engine's package.
+
+    Of the packages of all engines, a question loads those of the engine that answers it.
+    """
     packages = {package for entry in NLP_ENGINES for package in ENGINES[entry].packages}
     program = (
         "from dubins_study.solvers.registry import load;"
@@ -125,7 +140,10 @@ def test_an_engine_loads_no_other_engines_package(name):
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ALONE)
 def test_an_engine_in_a_process_of_its_own(name):
-    """It solves a word, by (4.12) and by multiple shooting; its library enters no other process."""
+    """An engine runs in a process of its own.
+
+    It solves a word, by (4.12) and by multiple shooting; its library enters no other process.
+    """
     for spec in (f"nlp[engine={name}]", f"multiple-shooting[engine={name},n=3]"):
         answer = solve(PAPER["problem 1"], spec, "RS", limit=10.0, isolated=True)
 
@@ -154,7 +172,10 @@ assert attempt(load("disjunctive[engine={name}]"), {question}).outcome == "retur
 @pytest.mark.slow
 @pytest.mark.parametrize(("model", "format", "order"), KINDS)
 def test_files_tell_nothing_of_the_machine(model, format, order, tmp_path):
-    """The same text from another process in another folder, with no path of either in it."""
+    """Files tell nothing of the machine.
+
+    Another process in another folder writes the same text, with no path of either in it.
+    """
     text = export(CASES["problem 1"], model, format, order)
     call = (
         "from dubins_study.solvers.export import export;"
@@ -191,7 +212,10 @@ print([each.data["dispatcher"].py_func.__qualname__ for _, each in compiled.buff
 
 @pytest.mark.smoke
 def test_what_set_up_compiles_is_all():
-    """No frame of few or many rows, and no route, compiles a loop for another kind of array."""
+    """Set-up compiles every loop.
+
+    No frame of few or many rows, and no route, compiles a loop for another kind of array.
+    """
     assert output(interpreted(COMPILED)).splitlines()[-1] == "[]"
 
 
@@ -203,7 +227,10 @@ solve(Scenario(target_x=9, target_y=1, via=[(1, 2)]))
 
 @pytest.mark.slow
 def test_a_call_says_what_it_compiles_and_compiles_no_more(tmp_path):
-    """A route compiles the search alone; asked again, it says nothing."""
+    """A call says what it compiles, and only that.
+
+    A route compiles the search alone; asked again, it says nothing.
+    """
     for expected in (
         ["compiling the search for routes: about 15 s, once after each installation"],
         [],
@@ -215,5 +242,8 @@ def test_a_call_says_what_it_compiles_and_compiles_no_more(tmp_path):
 @pytest.mark.slow
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="no fork here")
 def test_a_forked_child_can_go_on():
-    """A child of a process whose loops ran in threads runs its own in threads."""
+    """A forked child can go on.
+
+    A child of a process whose loops ran in threads runs its own in threads.
+    """
     assert subprocess.run([sys.executable, "-W", "ignore", "-c", FORK], check=False).returncode == 0

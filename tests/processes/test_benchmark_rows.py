@@ -1,4 +1,6 @@
-"""The committed rows of the benchmark: whole, and still what the check says of their controls.
+"""The committed rows of the benchmark hold.
+
+They are whole, and the check still says the same of their controls.
 
 The rows may be of earlier code of a solver: an hour's run is not repeated for every edit. So that
 they stay true nevertheless, the check judges the stored controls anew, and a sample of the cells
@@ -30,7 +32,10 @@ RESULTS = FilePath(__file__).parents[2] / "results" / "benchmark"
 
 
 class Suite(NamedTuple):
-    """Its easiest stratum, and the legs up to which a slow test judges its rows."""
+    """A suite and the sizes that tests judge.
+
+    It has its easiest stratum, and the legs up to which a slow test judges its rows.
+    """
 
     easiest: str
     most_legs: int
@@ -64,14 +69,20 @@ def rows_of(table):
 
 
 def relative_width(table):
-    """The widths of the proven intervals, relative to the length; NaN without a path."""
+    """Relative widths of the proven intervals.
+
+    They are relative to the length; NaN without a path.
+    """
     return (table["reference_high"] - table["reference_low"]) / table["reference_low"]
 
 
 @pytest.mark.slow
 @pytest.mark.xfail(reason="the suites have changed; these rows are not made anew yet", strict=True)
 def test_it_is_the_experiment_of_today(suite, table):
-    """Its text and its cells are those that `make benchmark` would ask for now."""
+    """It is the experiment of today.
+
+    Its text and its cells are those that `make benchmark` would ask for now.
+    """
     packaged = read(f"benchmark-{suite}")
     asked = {cell.key[:-1] for chain in chains(packaged.experiment) for cell in chain}
 
@@ -88,9 +99,10 @@ def test_every_row_names_its_formulation_engine_and_guess(table):
 @pytest.mark.many(1)
 @pytest.mark.parametrize("share", [0.03, pytest.param(1, marks=pytest.mark.slow)])
 def test_its_verdicts_are_what_the_check_says_today(suite, table, share):
-    """A share of the first repeats, judged and certified again from the stored controls.
+    """Its verdicts are the check's of today.
 
-    Not of open questions: how far a search narrows them depends on the machine's speed.
+    A share of the first repeats is judged and certified again from the stored controls. Open
+    questions are left out: how far a search narrows them depends on the machine's speed.
     """
     first = table[(table["repeat"] == 0) & ~(relative_width(table) > PROVED_WIDTH)]
     most_legs = FEW_LEGS if share < 1 else SUITES[suite].most_legs
@@ -127,7 +139,9 @@ def test_its_verdicts_are_what_the_check_says_today(suite, table, share):
 
 @pytest.mark.parametrize("most_legs", [1, pytest.param(FEW_LEGS, marks=pytest.mark.slow)])
 def test_no_question_lies_next_to_a_jump(table, most_legs):
-    """The shortest length moves little where points do, by 100 times the tolerance of arriving.
+    """No question lies next to a jump.
+
+    The shortest length moves little where points do, by 100 times the tolerance of arriving.
 
     Next to a jump a miss within the tolerance may be worth a full turn. With a free final heading
     one leg jumps at the turning circles alone: its margin tells.
@@ -136,7 +150,8 @@ def test_no_question_lies_next_to_a_jump(table, most_legs):
     judged = table[table["reference_low"].notna()].drop_duplicates("scenario_id")
     for row in rows_of(judged):
         scenario = scenario_of(row)
-        legs, far = len(scenario.via) + 1, 100 * ARRIVES * scenario.radius
+        legs = len(scenario.via) + 1
+        far = 100 * ARRIVES * scenario.radius
         if scenario.one_free_leg:
             assert abs(row["margin"]) > 0.999 * far / scenario.radius, scenario
         elif (
@@ -155,17 +170,19 @@ def test_no_question_lies_next_to_a_jump(table, most_legs):
 
 @pytest.mark.slow
 def test_easy_cells_solved_anew_end_alike(suite, table):
-    """A cell of each engine that it had right, where it is easiest: right again.
+    """Easy cells solved anew are right again.
 
-    Not of solvers that are killed at their limit, nor of COBYQA, which takes half a minute: on a
-    busy machine the limit ends them.
+    Each engine is asked a cell that it had right, where it is easiest. Left out are solvers that
+    are killed at their limit, and COBYQA, which takes half a minute: on a busy machine the limit
+    ends them.
     """
     easy = table[(table["label"] == SUITES[suite].easiest) & (table["repeat"] == 0)]
     # not at a limit, which a solver that took so long goes to, however far it is
     ended = easy["claim"].isin(["local", "optimal", "feasible"]) & (easy["wall_s"] < 0.5)
     easy = easy[ended & (easy["verdict"] == "optimal") & easy["curvatures"].notna()]
     for row in rows_of(easy.drop_duplicates("engine")):
-        spec, solver = row["solver"], load(row["solver"])
+        spec = row["solver"]
+        solver = load(row["solver"])
         slow = "cobyqa" in spec or not solver.keeps_limit
         if slow or unavailable(solver) is not None:
             continue

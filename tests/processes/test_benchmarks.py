@@ -1,4 +1,7 @@
-"""Every benchmark runs: each once, at its smallest size, where no time is worth anything."""
+"""Every benchmark runs once at its smallest size.
+
+No time is worth anything there.
+"""
 
 import json
 import subprocess
@@ -24,7 +27,10 @@ print(json.dumps([(row.note, row.failed, row.ours is None) for row in run(sys.ar
 
 @pytest.mark.parametrize("name", known())
 def test_a_benchmark_runs_at_its_smallest_size(name):
-    """Skipped, with the reason, where all that it measures is a peer that is not installed."""
+    """A benchmark runs at its smallest size.
+
+    It is skipped, with the reason, where all that it measures is a peer that is not installed.
+    """
     asked = [sys.executable, "-c", SMALLEST, name]
     done = subprocess.run(asked, cwd=ROOT, capture_output=True, text=True)
 

@@ -1,4 +1,4 @@
-"""`new solver` and `check-solver`, as an author of a plug-in uses them."""
+"""`new solver` and `check-solver`, as used by an author."""
 
 import json
 import re
@@ -24,7 +24,10 @@ def called(*arguments):
 
 @pytest.mark.slow
 def test_the_new_solver_passes_as_it_is():
-    """Its longer paths in the discs are notes."""
+    """The new solver passes as it is.
+
+    Its longer paths in the discs are notes.
+    """
     assert called("new", "solver", "my_solver.py").exit_code == 0
 
     checked = called("check-solver", "my_solver.py:MySolver", "--json")
@@ -60,7 +63,10 @@ def test_files_that_no_solver_is_written_into(tmp_path, name, message):
 
 @pytest.mark.slow
 def test_from_a_new_file_to_a_page(tmp_path):
-    """The way that CONTRIBUTING shows: written, asked, run beside another solver, reported."""
+    """A new file becomes a page.
+
+    The way is that of CONTRIBUTING: written, asked, run beside another solver, reported.
+    """
     mine = "my_solver.py:MySolver"
     commands = (
         ("new", "solver", "my_solver.py"),
@@ -84,7 +90,10 @@ def test_from_a_new_file_to_a_page(tmp_path):
     ],
 )
 def test_solvers_that_there_are_not(spec, message):
-    """A bad request, exit code 2, and no finding about anybody's solver."""
+    """Solvers that do not exist are bad requests.
+
+    The exit code is 2, and there is no finding about anybody's solver.
+    """
     called("new", "solver", "my_solver.py")
     ended = called("check-solver", spec)
 
@@ -106,12 +115,13 @@ def test_a_file_that_does_not_load_is_a_finding_with_its_traceback(tmp_path):
 
 @pytest.mark.smoke
 def test_a_syntax_error_is_shown_where_it_is(tmp_path):
-    """File, line and caret, by both commands; what to do names the author's own file."""
+    """A syntax error is shown where it is.
+
+    Both commands show file, line and caret; what to do names the author's own file.
+    """
     (tmp_path / "mine.py").write_text("class Mine:\n    n = 1 +\n")
-    checked, solved = (
-        called("check-solver", "mine.py:Mine"),
-        called("solve", "1", "2", "--solver", "mine.py:Mine"),
-    )
+    checked = called("check-solver", "mine.py:Mine")
+    solved = called("solve", "1", "2", "--solver", "mine.py:Mine")
 
     assert checked.exit_code == 1
     for shown in (checked.stdout, f"{solved.exception}\n"):
@@ -133,7 +143,8 @@ class Mine(Solver):
     def solve(self, question, limit):
         return Solution(Claim.FAILED)
 """
-FROZEN, METHOD = "@dataclass(frozen=True)", '("penalty", "mine")'
+FROZEN = "@dataclass(frozen=True)"
+METHOD = '("penalty", "mine")'
 # what is wrong -> how the solver differs, the status of `loading`, and words of the report
 LOADING = {
     "no default": ({"setting": "n: int"}, "fail", "give each setting a default, such as `n: int"),
@@ -152,7 +163,7 @@ LOADING = {
 
 @pytest.mark.parametrize("wrong", LOADING)
 def test_what_a_solver_says_of_itself_is_explained(tmp_path, wrong):
-    """A mistake in a declaration has the advice for this mistake."""
+    """A mistake in a declaration has its own advice."""
     difference, status, words = LOADING[wrong]
     values = {"head": FROZEN, "method": METHOD, "setting": ""} | difference
     (tmp_path / "mine.py").write_text(SOLVER.format(**values))
@@ -161,12 +172,15 @@ def test_what_a_solver_says_of_itself_is_explained(tmp_path, wrong):
 
     assert check["status"] == status, check
     assert ended.exit_code == (status == "fail")
-    found = [f"{one['observed']} {one['advice']}" for one in check["findings"]]
-    assert words in " ".join([check["summary"], *found]), check
+    messages = [f"{one['observed']} {one['advice']}" for one in check["findings"]]
+    assert words in " ".join([check["summary"], *messages]), check
 
 
 def test_a_setting_of_a_solver_that_cannot_be_made_is_refused(tmp_path):
-    """No traceback of this package: a spec with settings asks the class for its defaults."""
+    """A wrong setting of an impossible solver is refused.
+
+    There is no traceback of this package: a spec with settings asks the class for its defaults.
+    """
     text = SOLVER.format(head=FROZEN, method=METHOD, setting="n: int")
     (tmp_path / "mine.py").write_text(text)
 

@@ -1,7 +1,9 @@
-"""The digest of a solver's code: what changes it, and what does not."""
+"""The digest of a solver's code.
+
+Tested is what changes it, and what does not.
+"""
 
 import ast
-import json
 import shutil
 from pathlib import Path
 
@@ -13,7 +15,7 @@ from dubins_study.experiments.store.folder import read_rows
 from dubins_study.report.data.results import load
 from dubins_study.solvers.registry import load as load_solver
 from dubins_study.solvers.registry import registered
-from tests.live_run import finished, interpreted, output, quick_experiment
+from tests.live_run import finished, interpreted, manifest, output, quick_experiment
 
 PACKAGE = Path(__file__).parents[2] / "src" / "dubins_study"
 ROOMS = {PACKAGE / "solvers", PACKAGE / "study"}
@@ -29,7 +31,10 @@ class Mine(Slsqp):
 
 
 def imported_files(file: Path) -> set[Path]:
-    """Modules of the package that a module imports anywhere, and the packages that they lie in."""
+    """Imported modules of a module and their packages.
+
+    Imports count anywhere in the module.
+    """
     names = set()
     for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
         if isinstance(node, ast.ImportFrom):
@@ -45,7 +50,11 @@ def imported_files(file: Path) -> set[Path]:
 
 @pytest.mark.parametrize("name", registered())
 def test_all_modules_that_a_solver_imports_are_read(name):
-    """Every module that its module, the check or another of these imports, inside functions too."""
+    """All modules that a solver imports are read.
+
+    They are every module that its module, the check or another of these imports, inside functions
+    too.
+    """
     solver_class = type(load_solver(name))
     module = PACKAGE.parent.joinpath(*solver_class.__module__.split(".")).with_suffix(".py")
     judges = ("study/check/verdict.py", "study/judging/certify.py")
@@ -65,7 +74,11 @@ def test_all_modules_that_a_solver_imports_are_read(name):
 
 @pytest.mark.slow
 def test_an_edit_changes_the_digest_of_the_room_and_of_rooms_that_build_on_it(tmp_path):
-    """In a copy of the package: of the solver's room, of the check; not of another room."""
+    """An edit changes the digests that build on it.
+
+    Edited are the solver's room and the check in a copy of the package; another room changes
+    nothing.
+    """
     shutil.copytree(PACKAGE, tmp_path / "dubins_study")
     names = ("slsqp", "ipopt", "shooting", "turn-rate-qp", "analytic")
 
@@ -93,21 +106,27 @@ def test_an_edit_changes_the_digest_of_the_room_and_of_rooms_that_build_on_it(tm
 
 
 def test_every_solver_has_a_code_of_its_own():
-    found = {name: code_digest(name) for name in registered()}
+    digests = {name: code_digest(name) for name in registered()}
 
-    assert len(set(found.values())) == len(found)
-    assert all(len(digest) == 12 and int(digest, 16) >= 0 for digest in found.values())
+    assert len(set(digests.values())) == len(digests)
+    assert all(len(digest) == 12 and int(digest, 16) >= 0 for digest in digests.values())
 
 
 def test_settings_make_a_code_of_their_own():
-    """However they came about: by the spec or by the profile."""
+    """Settings make a code of their own.
+
+    They come from the spec or from the profile.
+    """
     assert code_digest("slsqp[count=3]") != code_digest("slsqp")
     assert code_digest(" slsqp[ model=words ]") == code_digest("slsqp")
     assert code_digest("slsqp", "accurate") != code_digest("slsqp", "default")
 
 
 def printed(*lines: str, path: Path | None = None) -> list[str]:
-    """What a new process prints, in which no digest is remembered."""
+    """Output of a new process.
+
+    It remembers no digest.
+    """
     text = "\n".join((f"from {DIGEST} import code_digest", *lines))
     return output(interpreted(text, **({"PYTHONPATH": str(path)} if path else {}))).split()
 
@@ -145,14 +164,17 @@ class Mine(Slsqp):
     ],
 )
 def test_a_plugin_is_told_by_its_syntax(text, same, tmp_path):
-    """A comment, a docstring and another layout leave the digest; a constant changes it."""
+    """A plug-in is told by its syntax.
+
+    A comment, a docstring and another layout leave the digest; a constant changes it.
+    """
     plugin = tmp_path / "mine.py"
-    found = []
+    digests = []
     for content in (PLUGIN.format(patience=1).replace("float", '"float"'), text):
         plugin.write_bytes(content.encode())
-        found += printed(f"print(code_digest({f'{plugin}:Mine'!r}))")
+        digests += printed(f"print(code_digest({f'{plugin}:Mine'!r}))")
 
-    assert (found[0] == found[1]) is same
+    assert (digests[0] == digests[1]) is same
 
 
 @pytest.mark.parametrize(
@@ -171,7 +193,10 @@ def test_a_plugin_is_told_by_its_syntax(text, same, tmp_path):
     ],
 )
 def test_what_differs_has_another_syntax(one, other, tmp_path):
-    """Also a file that is none of Python, by its bytes."""
+    """Different code has different syntax.
+
+    A file that is no Python is compared by its bytes.
+    """
     files = tmp_path / "one.py", tmp_path / "other.py"
     for file, text in zip(files, (one, other), strict=True):
         file.write_text(text)
@@ -205,21 +230,25 @@ def test_other_libraries_make_another_code(monkeypatch):
 
 @pytest.mark.slow
 def test_rows_of_earlier_code_are_solved_anew_and_never_shown(tmp_path):
-    """They are kept, counted, and left out of everything else."""
-    spec, out = f"{tmp_path}/mine.py:Mine", tmp_path / "out"
+    """Rows of earlier code are solved anew, never shown.
+
+    They are kept, counted, and left out of everything else.
+    """
+    spec = f"{tmp_path}/mine.py:Mine"
+    out = tmp_path / "out"
     file = quick_experiment(tmp_path, 2, f'{spec}", "analytic')
     for patience in (1, 2):
         (tmp_path / "mine.py").write_text(PLUGIN.format(patience=patience))
         done = output(finished("run", file, "--trust-plugins", "--out", out))
         assert "4 of 4 cells done, finished" in done
 
-    kept = read_rows(out, ["run_id"]).to_pandas()
-    assert kept.groupby("solver")["code_digest"].nunique().to_dict() == {spec: 2, "analytic": 1}
-    assert kept.groupby("solver").size().to_dict() == {spec: 4, "analytic": 2}
+    table = read_rows(out, ["run_id"]).to_pandas()
+    assert table.groupby("solver")["code_digest"].nunique().to_dict() == {spec: 2, "analytic": 1}
+    assert table.groupby("solver").size().to_dict() == {spec: 4, "analytic": 2}
     assert "2 rows of earlier code" in output(finished("status", out))
     shown = load([out])
     assert len(shown.rows) == 4
-    newest = json.loads((out / "manifest.json").read_text())["solvers"][spec]
+    newest = manifest(out)["solvers"][spec]
     assert set(shown.rows["code_digest"]) == {newest["code_digest"], code_digest("analytic")}
     assert newest["settings"]["patience"] == 2
     assert newest["cells"] == 2

@@ -1,4 +1,4 @@
-"""A run on a machine that has compiled nothing yet."""
+"""A run on a machine without compiled loops."""
 
 import os
 import subprocess
@@ -28,7 +28,10 @@ seed = 34
 @pytest.mark.slow
 @pytest.mark.timeout(600)
 def test_no_limit_counts_what_is_compiled(tmp_path):
-    """The loops of tours take some 40 s to compile, and the limit of the run is a second."""
+    """No limit counts the time of compiling.
+
+    The loops of tours take some 40 s to compile, and the limit of the run is a second.
+    """
     (tmp_path / "tour.toml").write_text(TOUR)
     cold = os.environ | {"NUMBA_CACHE_DIR": str(tmp_path / "cache")}
     command = [sys.executable, "-m", "dubins_study", "run", "tour.toml", "--out", "folder"]

@@ -1,4 +1,7 @@
-"""The command line, as a user runs it: output, exit codes, and never a traceback."""
+"""The command line, as a user runs it.
+
+Tested are output and exit codes; there is never a traceback.
+"""
 
 import json
 import math
@@ -19,7 +22,10 @@ from tests.live_run import finished, output, quick_experiment
 
 
 def dubins_here(*arguments: str, cwd=None) -> subprocess.CompletedProcess[str]:
-    """In this process, for what starts no other and loads no plug-in."""
+    """Run the command in this process.
+
+    That suits what starts no other process and loads no plug-in.
+    """
     with chdir(cwd or Path.cwd()):
         ended = command(*arguments)
     return subprocess.CompletedProcess(arguments, ended.code, ended.out, ended.err)
@@ -60,7 +66,7 @@ def test_solvers():
 
 @pytest.mark.smoke
 def test_export(tmp_path):
-    """The text of the Python call, to standard output or to a file."""
+    """The Python call, to standard output or a file."""
     pose = ("-6", "3", "--from", "1", "-2", "120deg", "--radius", "2")
     shown = output(dubins_here("export", *pose, "--format", "mod", "--order", "RLS"))
     wrote = output(
@@ -98,7 +104,11 @@ DRIVE = "target_x,target_y,x,y,heading,radius\n10,5,0,0,120deg,1\n-3,-2,0,0,pi/3
 
 @pytest.mark.slow
 def test_scenarios_of_a_file(tmp_path):
-    """Asked, skipped when asked again, asked by another solver too; other scenarios are refused."""
+    """Scenarios of a file are asked once.
+
+    They are skipped when asked again, and asked by another solver too. Other scenarios are
+    refused.
+    """
     file = tmp_path / "drive.csv"
     file.write_text(DRIVE)
     run = ("run", "--scenarios", "drive.csv", "--solver")
@@ -187,7 +197,10 @@ def test_a_false_claim_is_told(plugin):
 
 @pytest.mark.slow
 def test_a_solver_that_was_not_asked_gives_no_answer(plugin):
-    """The reason on stderr and exit code 2; with --json the object, too."""
+    """A solver that was not asked gives no answer.
+
+    The reason is on stderr and the exit code is 2; with --json the object is there, too.
+    """
     done = finished("solve", "1", "2", "--solver", f"{plugin}:Absent", "--plot", "unused.svg")
     assert (done.returncode, done.stdout) == (2, "")
     assert "is unavailable: no licence" in done.stderr
@@ -200,8 +213,12 @@ def test_a_solver_that_was_not_asked_gives_no_answer(plugin):
 
 @pytest.mark.slow
 def test_a_solver_that_cannot_run_is_refused_before_a_run(plugin, tmp_path):
-    """Also one of another package, and one among several; an experiment's own are recorded."""
-    file, absent = quick_experiment(tmp_path, 2), f"{plugin}:Absent"
+    """A solver that cannot run is refused first.
+
+    It may be of another package, or one among several; an experiment's own are recorded.
+    """
+    file = quick_experiment(tmp_path, 2)
+    absent = f"{plugin}:Absent"
     for spec, said in ((absent, "no licence"), ("nlp[engine={ipopt,nothing}]", "no executable")):
         done = finished("run", file, "--solver", "slsqp", "--solver", spec, cwd=tmp_path)
         assert (done.returncode, done.stdout) == (2, "")
@@ -211,7 +228,10 @@ def test_a_solver_that_cannot_run_is_refused_before_a_run(plugin, tmp_path):
 
 @pytest.mark.slow
 def test_rows_of_another_limit_are_named(tmp_path):
-    """They stay, and the run says of which limit they are; restarted, none are left."""
+    """Rows of another limit are named.
+
+    They stay, and the run says of which limit they are; restarted, none are left.
+    """
     file = quick_experiment(tmp_path, 2)
     asked = ("run", file, "--solver", "slsqp", "--time-limit")
     assert "rows are there" not in finished(*asked, "5", cwd=tmp_path).stderr
@@ -230,7 +250,10 @@ def test_rows_of_another_limit_are_named(tmp_path):
     ],
 )
 def test_a_solver_that_failed_ends_with_1(plugin, name, outcome, message):
-    """Nobody who calls it from a script takes a defect for an answer."""
+    """A solver that failed ends with 1.
+
+    Nobody who calls it from a script takes a defect for an answer.
+    """
     asked = ("solve", "1", "2", "--solver", f"{plugin}:{name}", "--time-limit", "1", "--json")
     done = finished(*asked)
 
@@ -240,7 +263,10 @@ def test_a_solver_that_failed_ends_with_1(plugin, name, outcome, message):
 
 
 def test_brackets_in_names_are_no_markup(tmp_path):
-    """The bar that shows an experiment's name would take them for colours, and fail."""
+    """Brackets in names are no markup.
+
+    The bar that shows an experiment's name would take them for colours, and fail.
+    """
     (tmp_path / "[").mkdir()
     quick_experiment(tmp_path, 2).rename(tmp_path / "[" / "red].toml")
 
@@ -264,7 +290,10 @@ CONTROLS = {"nan": ("math.nan", "1.0"), "turn": ("math.inf", "1.0"), "long": ("0
 
 @pytest.mark.slow
 def test_controls_that_are_not_finite_cost_their_own_row_alone(tmp_path):
-    """The answer is printed, nothing is drawn, and the folder of a run can be read."""
+    """Controls that are not finite cost one row.
+
+    The answer is printed, nothing is drawn, and the folder of a run can be read.
+    """
     specs = []
     for name, (curvature, length) in CONTROLS.items():
         (tmp_path / f"{name}.py").write_text(ODD.format(curvature=curvature, length=length))

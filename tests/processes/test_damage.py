@@ -1,4 +1,7 @@
-"""Folders that something happened to: what can be mended is, the rest is refused and left alone."""
+"""Damaged folders are mended or refused.
+
+A folder that cannot be mended is left alone.
+"""
 
 import errno
 import os
@@ -24,16 +27,17 @@ pytestmark = pytest.mark.smoke
 
 
 @pytest.fixture
-def folder(original, tmp_path):
-    """A run in two parts, as one leaves it that is cut short."""
-    out = tmp_path / "out"
-    shutil.copytree(original, out)
-    (part,) = parts(out)
+def folder(folder):
+    """A run in two parts.
+
+    A run that is cut short leaves such a folder.
+    """
+    (part,) = parts(folder)
     table = read_part(part)
     part.unlink()
     for name, half in (("a", table.slice(0, CELLS // 2)), ("b", table.slice(CELLS // 2))):
-        write_part(out, name, half, {RUN_ID: table["run_id"][0].as_py()})
-    return out
+        write_part(folder, name, half, {RUN_ID: table["run_id"][0].as_py()})
+    return folder
 
 
 def files(folder):
@@ -57,7 +61,10 @@ def test_parts_say_what_they_are(folder, experiment):
 
 
 def flipped(content: bytes) -> bytes:
-    """One bit in the pages of a column that resuming does not read."""
+    """A part with one flipped bit.
+
+    It lies in the pages of a column that resuming does not read.
+    """
     file = pq.ParquetFile(pa.BufferReader(content))
     place = ARROW_SCHEMA.names.index("wall_s")
     column = file.metadata.row_group(0).column(place)
@@ -78,7 +85,10 @@ DAMAGE = {
 @pytest.mark.slow
 @pytest.mark.parametrize("damage", DAMAGE)
 def test_a_damaged_part_is_put_aside_and_its_cells_are_solved_again(folder, experiment, damage):
-    """One warning names it, nothing is deleted, and the table is whole again."""
+    """Damaged parts are put aside and solved again.
+
+    One warning names the part, nothing is deleted, and the table is whole again.
+    """
     before = read_rows(folder).to_pandas().sort_values("scenario_id", ignore_index=True)
     part = folder / "parts" / "b.parquet"
     spoilt = DAMAGE[damage](part.read_bytes())
@@ -87,10 +97,10 @@ def test_a_damaged_part_is_put_aside_and_its_cells_are_solved_again(folder, expe
     with pytest.raises(ResultsError, match=r"b\.parquet"):
         load([folder])
 
-    said = finished("run", experiment, "--out", folder)
+    process = finished("run", experiment, "--out", folder)
 
-    assert said.returncode == 0
-    (line,) = [line for line in said.stderr.splitlines() if "damaged" in line]
+    assert process.returncode == 0
+    (line,) = [line for line in process.stderr.splitlines() if "damaged" in line]
     assert line == (
         f"dubins-study: {part} is damaged: moved to {folder / 'damaged' / 'b.parquet'}, its cells "
         "are solved again"
@@ -124,7 +134,10 @@ def newer(folder, table):
 @pytest.mark.parametrize("put", [foreign, wider, newer])
 @pytest.mark.parametrize("spoilt", [False, True])
 def test_what_is_no_part_of_ours_is_refused_and_nothing_changes(folder, experiment, put, spoilt):
-    """Not even a damaged part beside it is moved, nor a run begun."""
+    """Foreign parts are refused, and nothing changes.
+
+    Not even a damaged part beside it is moved, nor a run begun.
+    """
     message = put(folder, read_part(parts(folder)[0]))
     if spoilt:
         (folder / "parts" / "a.parquet").write_bytes(b"")
@@ -142,7 +155,11 @@ def test_what_is_no_part_of_ours_is_refused_and_nothing_changes(folder, experime
 
 
 def test_what_a_killed_run_left_half_written_is_removed(folder, experiment):
-    """Only files of our own pattern, and not before it is certain that the folder is good."""
+    """Half-written files of a killed run are removed.
+
+    Only files of our own pattern are removed, and not before it is certain that the folder is
+    good.
+    """
     places = (folder / ".manifest.json", folder / "parts" / ".r-000001.parquet")
     ours = [place.with_name(f"{place.name}.dubins-study.tmp") for place in places]
     others = [folder / ".hidden.tmp", folder / "parts" / "notes.txt", folder / "x.parquet.1.tmp"]
@@ -169,7 +186,7 @@ def test_a_run_killed_before_its_first_manifest_leaves_a_folder_that_can_be_used
 
 
 def test_a_file_that_cannot_be_finished_leaves_nothing(tmp_path):
-    """What was at its place stays."""
+    """An unfinished file leaves the old one."""
     final = tmp_path / "manifest.json"
     final.write_text("old")
 
@@ -184,7 +201,10 @@ def test_a_file_that_cannot_be_finished_leaves_nothing(tmp_path):
 
 
 def test_names_are_synced_after_contents(tmp_path, monkeypatch):
-    """A power cut after `put` finds the file whole and under its name."""
+    """Names are synced after contents.
+
+    A power cut after `put` finds the file whole and under its name.
+    """
     synced = []
     real = os.fsync
 
@@ -204,7 +224,10 @@ def test_names_are_synced_after_contents(tmp_path, monkeypatch):
 
 @pytest.mark.slow
 def test_a_full_disk(tmp_path):
-    """A real one, of 160 KB: one message, the folder stays valid, and resuming completes it."""
+    """A full disk leaves a valid folder.
+
+    The disk is a real one, of 160 KB: there is one message, and resuming completes the folder.
+    """
     disk_of = tmp_path / "small"
     disk_of.mkdir()
     mount = shutil.which("mount")
@@ -216,14 +239,14 @@ def test_a_full_disk(tmp_path):
         out = disk_of / "out"
         failed = finished("run", experiment, "--out", out)
         assert failed.returncode == 2, failed.stderr
-        said = [line for line in failed.stderr.splitlines() if line.startswith("dubins-study")]
-        assert len(said) == 1
+        lines = [line for line in failed.stderr.splitlines() if line.startswith("dubins-study")]
+        assert len(lines) == 1
         assert "Traceback" not in failed.stderr
-        assert ".parquet: No space left on device; " in said[0]
-        assert "rows not written yet are lost, all others are kept" in said[0]
+        assert ".parquet: No space left on device; " in lines[0]
+        assert "rows not written yet are lost, all others are kept" in lines[0]
         assert not list(disk_of.rglob("*.tmp"))
-        kept = done(out)
-        assert 0 < len(kept) < 800
+        cells = done(out)
+        assert 0 < len(cells) < 800
         assert finished("status", out).returncode == 0
 
         subprocess.run([mount, "-o", "remount,size=50m", str(disk_of)], check=True)
@@ -231,6 +254,6 @@ def test_a_full_disk(tmp_path):
 
         assert again.returncode == 0, again.stderr
         assert len(read_rows(out)) == 800
-        assert kept <= done(out)
+        assert cells <= done(out)
     finally:
         subprocess.run(["umount", "-l", str(disk_of)], check=True)

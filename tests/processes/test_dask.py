@@ -1,4 +1,7 @@
-"""A run by Dask finds what a serial run finds, whatever happens to its workers."""
+"""Dask's rows are those of a serial run.
+
+That holds whatever happens to its workers.
+"""
 
 import json
 import pickle
@@ -23,7 +26,7 @@ from dubins_study.experiments.plan.cells import chains
 from dubins_study.experiments.plan.run_plan import RunSettings
 from dubins_study.experiments.store.folder import read_rows
 from tests import dask_here as here
-from tests.live_run import wait_for
+from tests.live_run import manifest, wait_for
 
 EXPERIMENT = """
 title = "dask"
@@ -57,7 +60,10 @@ def address(tmp_path_factory):
 
 
 def plugin(folder: Path, solve: str) -> str:
-    """A solver whose answers are slsqp's, unless something happens before."""
+    """A solver with slsqp's answers.
+
+    Something may happen before.
+    """
     file = folder / "plugin.py"
     file.write_text(
         "import ctypes, os, signal, sys, time\nfrom pathlib import Path\nimport psutil\n"
@@ -79,7 +85,11 @@ def plugin(folder: Path, solve: str) -> str:
 
 @pytest.mark.slow
 def test_the_rows_are_those_of_a_serial_run(experiment, tmp_path, address):
-    """Every column that is not about time or run, warm sweeps among them; the manifest says who."""
+    """The rows are those of a serial run.
+
+    Compared is every column that is not about time or run, warm sweeps among them. The manifest
+    says who made them.
+    """
     one = run(experiment, tmp_path / "one")
     other = here.asked_of(address, experiment, tmp_path / "other")
 
@@ -87,7 +97,7 @@ def test_the_rows_are_those_of_a_serial_run(experiment, tmp_path, address):
     rows = read_rows(other, ["executor", "jobs"]).to_pandas()
     assert set(rows["executor"]) == {"dask"}
     assert set(rows["jobs"]) == {2}
-    entry = json.loads((other / "manifest.json").read_text())["runs"][-1]
+    entry = manifest(other)["runs"][-1]
     assert (entry["executor"], entry["jobs"], entry["workers"]) == ("dask", 2, 2)
     assert address not in (other / "manifest.json").read_text()
 
@@ -97,13 +107,13 @@ def test_probes_come_from_the_machines_that_solve(experiment, tmp_path, address)
     """Known by a number; their names are recorded nowhere."""
     solver = plugin(tmp_path, "time.sleep(0.4)")
     out = here.asked_of(address, experiment, tmp_path / "out", solvers=[solver])
-    manifest = (out / "manifest.json").read_text()
-    entry = json.loads(manifest)["runs"][-1]
+    text = (out / "manifest.json").read_text()
+    entry = json.loads(text)["runs"][-1]
 
     assert entry["probes"]
     assert {machine for _, _, machine in entry["probes"]} == {1}
     assert all(0 <= when <= entry["seconds"] and 0 < took < 1 for when, took, _ in entry["probes"])
-    assert json.dumps(socket.gethostname()) not in manifest
+    assert json.dumps(socket.gethostname()) not in text
 
 
 # the first to come by here ends the Dask worker that it works for
@@ -116,7 +126,10 @@ ONCE = (
 
 @pytest.mark.slow
 def test_a_worker_killed_in_the_middle_of_a_work_unit_costs_no_row(experiment, tmp_path, address):
-    """What it had not delivered is solved again by others; none is there twice."""
+    """Killing a worker in a unit costs no row.
+
+    What it had not delivered is solved again by others; none is there twice.
+    """
     solver = plugin(tmp_path, ONCE)
     arguments = {"solvers": [solver, "analytic"], "time_limit": 90.0}
     one = run(experiment, tmp_path / "one", **arguments)
@@ -141,7 +154,11 @@ ORPHANS = (
 
 @pytest.mark.slow
 def test_what_a_dead_worker_was_solving_dies_with_it(experiment, tmp_path, address):
-    """Its fork server and the solver's process, though that is in a loop that nobody watches."""
+    """A dead worker's solves die with it.
+
+    They are its fork server and the solver's process, though that is in a loop that nobody
+    watches.
+    """
     solver = plugin(tmp_path, ORPHANS)
     (tmp_path / "executor").write_text("dask")
     (tmp_path / "armed").touch()
@@ -162,7 +179,10 @@ def test_what_a_dead_worker_was_solving_dies_with_it(experiment, tmp_path, addre
 
 @pytest.mark.slow
 def test_a_work_unit_that_kills_every_worker_ends_the_run(experiment, tmp_path, address):
-    """After as many workers as Dask's `allowed-failures` permits; the rows so far are kept."""
+    """A unit that kills every worker ends the run.
+
+    It ends after as many workers as Dask's `allowed-failures` permits; the rows so far are kept.
+    """
     solver = plugin(tmp_path, "question.branch == 'LS' and os.kill(dask_worker(), signal.SIGKILL)")
     (tmp_path / "executor").write_text("dask")
     out = tmp_path / "out"
@@ -171,13 +191,16 @@ def test_a_work_unit_that_kills_every_worker_ends_the_run(experiment, tmp_path, 
     ):
         here.asked_of(address, experiment, out, solvers=[solver])
 
-    entry = json.loads((out / "manifest.json").read_text())["runs"][-1]
+    entry = manifest(out)["runs"][-1]
     assert entry["state"] == "interrupted"
 
 
 @pytest.mark.slow
 def test_another_executor_goes_on_where_one_left_off(experiment, tmp_path, address):
-    """A sweep cut in the middle goes on from its last path, elsewhere."""
+    """Another executor goes on where one stopped.
+
+    A sweep cut in the middle goes on from its last path.
+    """
     one = run(experiment, tmp_path / "one", solvers=["slsqp[presolve=true]"])
 
     def enough(done, total):
@@ -196,14 +219,15 @@ def test_another_executor_goes_on_where_one_left_off(experiment, tmp_path, addre
 
 
 def test_a_worker_keeps_its_processes_until_the_run_ends(experiment, tmp_path):
-    """Units of a run are solved in the same process; then it is gone."""
+    """A worker keeps its processes until the end.
+
+    Units of a run are solved in the same process; then it is gone.
+    """
     spec = plugin(tmp_path, "(HERE / 'pids').open('a').write(f'{os.getpid()}\\n')")
     text = re.sub("(?m)^solvers = .*", f'solvers = ["{spec}"]', Path(experiment).read_text())
     Path(experiment).write_text(text)
-    settings, units = (
-        RunSettings("kept", 60.0, executor="dask"),
-        chains(read(experiment).experiment),
-    )
+    settings = RunSettings("kept", 60.0, executor="dask")
+    units = chains(read(experiment).experiment)
     for chain in units[:3]:
         reply = dask_worker.solve_unit(pickle.dumps(WorkUnit(settings, [chain])))
         assert (len(reply.rows), reply.refusal) == (len(chain), "")
@@ -215,7 +239,10 @@ def test_a_worker_keeps_its_processes_until_the_run_ends(experiment, tmp_path):
 
 
 def test_a_worker_whose_files_were_changed_is_to_be_restarted(monkeypatch):
-    """What it has imported is not what is on disk, whose digest it would tell."""
+    """A worker with changed files has to be restarted.
+
+    What it has imported is not what is on disk, whose digest it would tell.
+    """
     monkeypatch.setattr(dask_worker, "_IMPORTED", frozenset())
     reply = dask_worker.solve_unit(pickle.dumps(WorkUnit(RunSettings("r", 1.0), [])))
 

@@ -1,4 +1,7 @@
-"""Dask's machines: who may be asked, and what is left of them."""
+"""Dask's machines: permitted workers and their ends.
+
+Nothing is left of them.
+"""
 
 import os
 import shutil
@@ -38,12 +41,16 @@ def experiment(tmp_path):
 
 
 def solving(worker):
-    """The fork server of a Dask worker, and the processes that it has forked."""
+    """Fork server of a worker and its processes."""
     return [p for p in here.family(worker.pid) if "fork_server" in " ".join(p.cmdline())]
 
 
 def test_a_cluster_of_users_own_is_found_by_its_address(experiment, tmp_path):
-    """Its nannies' workers are daemons, which may have no children by themselves; two threads."""
+    """A user's own cluster is found by address.
+
+    Its nannies' workers are daemons, which may have no children by themselves; they have two
+    threads.
+    """
     one = run(experiment, tmp_path / "one")
     with here.scheduler(tmp_path) as address, here.worker(address, "--nthreads", "2") as worker:
         other = here.asked_of(address, experiment, tmp_path / "other")
@@ -77,7 +84,10 @@ def test_a_worker_that_comes_late_is_waited_for(experiment, tmp_path, caplog):
 
 
 def test_other_code_is_refused(experiment, tmp_path):
-    """A worker whose dubins-study is of another version makes no row."""
+    """Other code is refused.
+
+    A worker whose dubins-study is of another version makes no row.
+    """
     copy = tmp_path / "copy"
     shutil.copytree(ROOT / "src" / "dubins_study", copy / "dubins_study")
     with (copy / "dubins_study" / "solvers" / "paper_nlp" / "nlp.py").open("a") as file:
@@ -94,7 +104,10 @@ def test_other_code_is_refused(experiment, tmp_path):
 
 
 def test_workers_without_our_packages_are_told(experiment, tmp_path):
-    """What stands in for them is a package of the same name that has nothing to offer."""
+    """Workers without our packages are named.
+
+    A package of the same name, which has nothing to offer, stands in for ours.
+    """
     (tmp_path / "copy" / "dubins_study").mkdir(parents=True)
     (tmp_path / "copy" / "dubins_study" / "__init__.py").touch()
     with (
@@ -106,7 +119,10 @@ def test_workers_without_our_packages_are_told(experiment, tmp_path):
 
 
 def test_a_plugin_that_is_not_there_is_told(experiment, tmp_path):
-    """A relative path means another file where the worker has another folder."""
+    """A missing plug-in is named.
+
+    A relative path means another file where the worker has another folder.
+    """
     (tmp_path / "slow.py").write_text(TELLS_AND_NAPS)
     before = Path.cwd()
     with here.scheduler(tmp_path) as address, here.worker(address, "--nthreads", "1"):
@@ -134,7 +150,10 @@ def test_a_scheduler_that_does_not_answer(experiment, tmp_path):
 
 @pytest.mark.parametrize("signals", [1, 2])
 def test_ctrl_c(experiment, tmp_path, signals):
-    """Once: what is being solved is finished. Twice: at once. No solver and no noise is left."""
+    """Ctrl-C finishes a solve; twice, it stops.
+
+    No solver and no noise is left.
+    """
     (tmp_path / "slow.py").write_text(TELLS_AND_NAPS)
     nap = "0.5" if signals == 1 else "1000"
     with (
@@ -142,7 +161,8 @@ def test_ctrl_c(experiment, tmp_path, signals):
         here.worker(address, "--nthreads", "2", NAP=nap) as worker,
     ):
         options = ("--executor", "dask", "--scheduler", address, "--time-limit", "4000")
-        spec, out = f"{tmp_path}/slow.py:Slow", tmp_path / "out"
+        spec = f"{tmp_path}/slow.py:Slow"
+        out = tmp_path / "out"
         with started("run", experiment, *options, "--solver", spec, "--out", out) as process:
             wait_for(lambda: (tmp_path / "asked").exists())
             began = time.monotonic()
@@ -152,11 +172,11 @@ def test_ctrl_c(experiment, tmp_path, signals):
             printed, err = process.communicate(timeout=120)
         wait_for(lambda: len(solving(worker)) == 1)  # the fork server itself
 
-    kept = len(done(out))
+    count = len(done(out))
     assert process.returncode == 130, err
     assert time.monotonic() - began < 300  # long before the nap is over, on a busy machine too
-    assert f"interrupted; {kept} of 30 cells are done and kept; run the same command" in err
-    assert (0 < kept < 30) if signals == 1 else kept == 0
+    assert f"interrupted; {count} of 30 cells are done and kept; run the same command" in err
+    assert (0 < count < 30) if signals == 1 else count == 0
     assert "Traceback" not in err
     assert "distributed" not in err
     assert printed == ""

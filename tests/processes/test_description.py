@@ -1,4 +1,4 @@
-"""What a run learns of solvers without letting other people's code in."""
+"""Descriptions of solvers that load no foreign code."""
 
 import os
 import sys
@@ -25,13 +25,14 @@ class Plain(Slsqp):
 
 @pytest.mark.parametrize("spec", [*registered(), "slsqp[count=3]"])
 def test_our_own_are_described_as_they_are(spec):
-    found, solver = describe_solver(spec), load(spec)
+    description = describe_solver(spec)
+    solver = load(spec)
 
-    assert found.spec == canonical(spec)
-    assert found.code_digest == code_digest(spec)
-    assert found.warm == solver.warm
-    assert found.packages == solver.packages
-    assert found.runs is None
+    assert description.spec == canonical(spec)
+    assert description.code_digest == code_digest(spec)
+    assert description.warm == solver.warm
+    assert description.packages == solver.packages
+    assert description.runs is None
 
 
 def test_a_program_on_path_is_told():
@@ -40,10 +41,10 @@ def test_a_program_on_path_is_told():
 
 def test_a_plugin_is_loaded_by_another_process(tmp_path):
     (tmp_path / "plain.py").write_text(PLUGIN)
-    found = describe_solver(f"{tmp_path}/plain.py:Plain[count=2]")
+    description = describe_solver(f"{tmp_path}/plain.py:Plain[count=2]")
 
     loaders = {file.name for file in tmp_path.glob("loaded-*")}
-    assert found.settings["count"] == 2
+    assert description.settings["count"] == 2
     assert len(loaders) == 1
     assert f"loaded-{os.getpid()}" not in loaders
     assert not [name for name in sys.modules if name.startswith("dubins_study_plugin_plain")]
@@ -75,7 +76,10 @@ def test_a_plugin_that_breaks_where_it_is_loaded_is_a_message(tmp_path, text, me
     ],
 )
 def test_an_experiment_does_not_choose_what_is_run(tmp_path, spec, where):
-    """Unless it is trusted; what the caller names himself always is."""
+    """An experiment does not choose the code.
+
+    It does if it is trusted. What the caller names himself always runs.
+    """
     (tmp_path / "plain.py").write_text(PLUGIN)
     named = f'solvers = ["{spec.format(here=tmp_path)}"]\n'
     file = tmp_path / "theirs.toml"

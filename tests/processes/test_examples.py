@@ -1,4 +1,4 @@
-"""Every command has examples in its help, and they run as they stand there."""
+"""Every command's help has examples that run."""
 
 import shlex
 from pathlib import Path
@@ -29,7 +29,10 @@ ALL = sorted(commands(typer.main.get_command(app)))
 
 @pytest.mark.parametrize("words", ALL)
 def test_every_help_ends_with_examples(words):
-    """`-h` and `--help` are one, no line is cut off, and each example fits 80 columns."""
+    """Every help ends with examples.
+
+    `-h` and `--help` are one, no line is cut off, and each example fits 80 columns.
+    """
     arguments = words.split()
     short, long = (CliRunner().invoke(app, [*arguments, name]) for name in ("-h", "--help"))
 
@@ -47,7 +50,9 @@ def test_no_example_is_of_a_command_that_does_not_exist():
 
 @pytest.mark.slow
 def test_the_examples_run(tmp_path, monkeypatch):
-    """In their order, in one folder; only a comparison may find something to say.
+    """The examples run in their order.
+
+    They run in one folder; only a comparison may find something to say.
 
     The paper's experiment is run with one repeat of five, and three solvers of all.
     """

@@ -1,4 +1,7 @@
-"""Executables found on PATH, run as AMPL runs them: honest ones, broken ones, endless ones."""
+"""Executables on PATH, run as AMPL runs them.
+
+They are honest, broken or endless.
+"""
 
 import os
 import sys
@@ -57,12 +60,18 @@ open(stub + ".sol", "w").write("\\n".join(lines) + "\\n")
 
 
 def put_solver(folder: Path, name: str) -> None:
-    """Put the stand-in into a folder, as an executable of this name."""
+    """Put the stand-in into a folder.
+
+    It is an executable of this name.
+    """
     put_program(folder, name, STAND_IN.format(python=sys.executable))
 
 
 def put_program(folder: Path, name: str, text: str) -> None:
-    """Put any script into a folder, as an executable of this name."""
+    """Put a script into a folder.
+
+    It is an executable of this name.
+    """
     file = folder / name
     file.write_text(text)
     file.chmod(0o755)
@@ -88,7 +97,10 @@ def test_an_executable_that_is_no_solver_is_a_failure_with_a_message(program):
 
 
 def test_an_executable_that_never_ends_is_stopped_with_its_children(programs):
-    """At the time limit, and the process that it left behind dies with it."""
+    """An endless executable is stopped with its children.
+
+    It is stopped at the time limit, and the process that it left behind dies with it.
+    """
     mark = programs / "child"
     put_program(programs, "slow", f"#!/bin/sh\nsleep 60 &\necho $! > {mark}\nwait\n")
     # on a busy machine a process may take longer to start than half a second, or to end than two
@@ -150,7 +162,11 @@ def test_a_broken_sol_file_is_a_failure_with_a_message(programs, text, message):
     ],
 )
 def test_ampls_result_codes_are_claims(programs, code, claim):
-    """AMPL book, section 14.2. The claimed point, z = (1, 1), is judged like any other."""
+    """AMPL's result codes are claims.
+
+    They are those of the AMPL book, section 14.2. The claimed point, z = (1, 1), is judged like
+    any other.
+    """
     sol = f"said so\\n\\nOptions\\n3\\n1\\n1\\n0\\n2\\n0\\n2\\n2\\n1\\n1\\nobjno 0 {code}\\n"
     put_program(programs, "says", f"#!/bin/sh\nprintf '{sol}' > model.sol\n")
 
@@ -164,7 +180,10 @@ def test_ampls_result_codes_are_claims(programs, code, claim):
 
 @pytest.mark.slow
 def test_an_executable_on_path_is_used(programs):
-    """Its answers, duals included, are those of Ipopt's library, which the stand-in calls."""
+    """An executable on PATH is used.
+
+    Its answers, duals included, are those of Ipopt's library, which the stand-in calls.
+    """
     put_solver(programs, "snopt")
     library = solve(PAPER["problem 1"], "ipopt")
     executable = solve(PAPER["problem 1"], "nlp[engine=snopt]")
@@ -183,7 +202,10 @@ ROUTE = Scenario(heading=0.3, via=[(4, 1)], target_x=10, target_y=5, final_headi
 
 @pytest.mark.parametrize("name", ["route-nlp", "multiple-shooting", "collocation"])
 def test_an_executable_solves_the_programs_of_routes(programs, name):
-    """As good as Ipopt's library, which the stand-in calls, on the same program."""
+    """An executable solves the programs of routes.
+
+    It is as good as Ipopt's library, which the stand-in calls, on the same program.
+    """
     put_solver(programs, "snopt")
 
     answer = solve(ROUTE, f"{name}[engine=snopt]", limit=20)
@@ -196,7 +218,10 @@ def test_an_executable_solves_the_programs_of_routes(programs, name):
 
 
 def test_an_executable_solves_the_disjunction_and_proves_nothing(programs):
-    """Its point is the shortest path; without a bound it is not claimed to be."""
+    """An executable solves the disjunction without proof.
+
+    Its point is the shortest path; without a bound it is not claimed to be.
+    """
     put_program(programs, "couenne", MIXED_STAND_IN.format(python=sys.executable))
 
     answer = solve(PAPER["problem 1"], "disjunctive[engine=couenne]", limit=60)
@@ -218,7 +243,10 @@ def test_an_executable_solves_the_disjunction_and_proves_nothing(programs):
     ],
 )
 def test_tolerances_and_the_limit_are_passed_by_the_makers_names(programs, spec, expected):
-    """The time is that which is left, rounded down; what has no name is not passed."""
+    """Tolerances and limit have the makers' names.
+
+    The time is that which is left, rounded down; what has no name is not passed.
+    """
     name = spec.partition("engine=")[2].rstrip("]").partition(",")[0]
     put_program(programs, name, f'#!/bin/sh\necho "$@" >> {programs}/asked\n')
 
@@ -235,7 +263,10 @@ def test_tolerances_and_the_limit_are_passed_by_the_makers_names(programs, spec,
 
 @pytest.mark.parametrize("name", ["route-nlp", "disjunctive", "multiple-shooting"])
 def test_a_name_that_is_neither_engine_nor_executable_is_told(name):
-    """A slip that may be a program's name is unavailable; a path is refused at once."""
+    """A name of no engine and no executable.
+
+    A slip that may be a program's name is unavailable; a path is refused at once.
+    """
     answer = solve(ROUTE, f"{name}[engine=scipp]")
     assert answer.outcome is Outcome.UNAVAILABLE
     assert "no executable 'scipp' on PATH" in answer.message
@@ -247,11 +278,20 @@ def test_the_page_names_every_option_that_is_passed():
     page = (Path(__file__).parents[2] / "docs" / "reference-set.md").read_text()
     for begin, names in EXECUTABLES.items():
         options = names.options
-        told = (begin, *options.feasibility, *options.optimality, names.gap, names.seconds)
-        assert [name for name in told if name and f"`{name}`" not in page] == []
+        options_of_engine = (
+            begin,
+            *options.feasibility,
+            *options.optimality,
+            names.gap,
+            names.seconds,
+        )
+        assert [name for name in options_of_engine if name and f"`{name}`" not in page] == []
 
 
 def test_engines_of_another_kind_are_no_executables():
-    """`highs` is an engine of the table, which reads no such program."""
+    """Engines of another kind are no executables.
+
+    `highs` is an engine of the table, which reads no such program.
+    """
     with pytest.raises(SolverError, match="engine is 'highs'"):
         solve(ROUTE, "route-nlp[engine=highs]")

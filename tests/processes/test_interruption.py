@@ -1,6 +1,8 @@
-"""Ctrl-C: what is being solved is finished, what is done is kept, and the run says so."""
+"""Ctrl-C finishes a solve and keeps the rows.
 
-import json
+The run says so.
+"""
+
 import os
 import signal
 import threading
@@ -20,7 +22,8 @@ def experiment(tmp_path):
 
 
 def test_the_first_sets_a_flag_and_the_second_raises():
-    before, seen = signal.getsignal(signal.SIGINT), []
+    before = signal.getsignal(signal.SIGINT)
+    seen = []
 
     def twice():
         with Interruption() as stop:
@@ -42,7 +45,10 @@ def test_leaving_raises_what_was_asked_for_and_the_handler_is_back():
 
 
 def test_one_within_another_knows_what_was_asked_before():
-    """The command line enters one while it still loads, `run` its own."""
+    """A nested interruption knows earlier requests.
+
+    The command line enters one while it still loads, `run` its own.
+    """
     seen = []
 
     def nested():
@@ -58,8 +64,12 @@ def test_one_within_another_knows_what_was_asked_before():
 
 @pytest.mark.slow
 def test_other_threads_are_left_alone(experiment, tmp_path):
-    """Python handles no signals there; a run must not try."""
-    before, folders = signal.getsignal(signal.SIGINT), []
+    """Other threads are left alone.
+
+    Python handles no signals there; a run must not try.
+    """
+    before = signal.getsignal(signal.SIGINT)
+    folders = []
     thread = threading.Thread(target=lambda: folders.append(run(experiment, tmp_path / "out")))
     thread.start()
     thread.join()
@@ -77,15 +87,18 @@ def test_a_run_interrupted_after_its_last_cell_is_finished_by_the_next(experimen
     out = tmp_path / "out"
     with pytest.raises(KeyboardInterrupt):
         run(experiment, out, progress=last)
-    assert not json.loads((out / "manifest.json").read_text())["finished"]
+    assert not manifest(out)["finished"]
 
     run(experiment, out)
 
-    assert json.loads((out / "manifest.json").read_text())["finished"]
+    assert manifest(out)["finished"]
 
 
 def interrupted(*arguments: str, after: Path):
-    """Run the command, and send its whole group SIGINT once there are such files."""
+    """Run the command and interrupt its group.
+
+    SIGINT is sent once there are such files.
+    """
     with started("run", *arguments) as process:
         wait_for(lambda: [*after.parent.glob(after.name)] or process.poll() is not None)
         os.killpg(process.pid, signal.SIGINT)
@@ -95,7 +108,7 @@ def interrupted(*arguments: str, after: Path):
 
 @pytest.mark.slow
 def test_after_a_fresh_run_the_same_command_would_throw_away(experiment, tmp_path):
-    """So the message names the other one."""
+    """The message names the command that resumes."""
     out = tmp_path / "out"
     code, _, err = interrupted(
         *(experiment, "--out", str(out), "--repeats", "100", "--restart"),

@@ -1,4 +1,4 @@
-"""What one solver does to its process reaches no other solver's rows."""
+"""One solver's process never affects others' rows."""
 
 import os
 import signal
@@ -69,7 +69,10 @@ target_y = [1, 2]
 
 
 def asked(folder, plugins, name, *others):
-    """The results folder of a run of a plug-in and other solvers."""
+    """Results folder of a run with a plug-in.
+
+    Other solvers are in the run too.
+    """
     (folder / "plugins.py").write_text(plugins)
     (folder / "isolation.toml").write_text(TEXT)
     spec = f"{folder}/plugins.py:{name}"
@@ -88,7 +91,10 @@ def test_every_row_is_right(tmp_path, name):
 
 @pytest.mark.slow
 def test_times_that_cannot_be_are_refused(tmp_path):
-    """The row is `raised`, and the rows of others can be read and compared."""
+    """Impossible times are refused.
+
+    The row is `raised`, and the rows of others can be read and compared.
+    """
     rows = load_results(asked(tmp_path, CLOCKS, "Backwards", "slsqp"))
     assert set(rows[rows["solver"] == "slsqp"]["outcome"]) == {"returned"}
     refused = rows[rows["solver"] != "slsqp"]
@@ -112,7 +118,10 @@ class HeldUp(Analytic):
 
 @pytest.fixture
 def jobs(tmp_path):
-    """Jobs for a solver whose message is its process, and that is slow where the label says so."""
+    """Jobs of a solver that names its process.
+
+    It is slow where the label says so.
+    """
     (tmp_path / "held_up.py").write_text(HELD_UP)
 
     def ask(*labels):
@@ -125,7 +134,10 @@ def jobs(tmp_path):
 
 @pytest.mark.smoke
 def test_one_slow_solve_does_not_end_working_ahead(jobs):
-    """Soon after it a solve is expected to be quick again."""
+    """One slow solve does not end working ahead.
+
+    Soon after it a solve is expected to be quick again.
+    """
     asked = jobs("slow", *["quick"] * 60)
     with WorkerPool(1) as pool:
         answered = sum(map(len, pool.solve(asked, Interruption())))

@@ -1,4 +1,7 @@
-"""The tables and figures of a hostile report, as LuaLaTeX and pdffonts see them."""
+"""A hostile report in LuaLaTeX and pdffonts.
+
+Its tables and figures are read.
+"""
 
 import os
 import shutil
@@ -19,7 +22,10 @@ HOSTILE = (
 
 
 def needed(program: str) -> str:
-    """The program; without it the test is skipped, except in CI."""
+    """The program, or a skipped test.
+
+    In CI the test is not skipped.
+    """
     found = shutil.which(program)
     if found is None and "CI" not in os.environ:
         pytest.skip(f"{program} is not installed")
@@ -29,7 +35,10 @@ def needed(program: str) -> str:
 
 @pytest.fixture(scope="module")
 def hostile_report(tmp_path_factory):
-    """A report with hostile labels, solvers, messages and titles, and figures."""
+    """A report with hostile texts and figures.
+
+    They are labels, solvers, messages and titles.
+    """
     base = tmp_path_factory.mktemp("tex")
     spec = f"{HOSTILE}[{HOSTILE}]"
     rows = [
@@ -47,7 +56,10 @@ def hostile_report(tmp_path_factory):
 
 @pytest.mark.slow
 def test_lualatex_compiles_every_table(hostile_report, tmp_path):
-    """With booktabs and longtable alone; what is hostile is printed."""
+    """LuaLaTeX compiles every table.
+
+    It needs booktabs and longtable alone; what is hostile is printed.
+    """
     tables = sorted((hostile_report / "tables").glob("*.tex"))
     inputs = "\n".join(rf"\input{{{table}}}" for table in tables)
     packages = r"\documentclass{article}\usepackage{booktabs,longtable}"
@@ -62,7 +74,10 @@ def test_lualatex_compiles_every_table(hostile_report, tmp_path):
 
 @pytest.mark.slow
 def test_no_font_of_a_figure_is_type_3(hostile_report):
-    """Journals refuse bitmap and drawn letters; pdffonts sees what they see."""
+    """No font of a figure is type 3.
+
+    Journals refuse bitmap and drawn letters; pdffonts sees what they see.
+    """
     pdffonts = needed("pdffonts")
     figures = sorted((hostile_report / "figures").glob("*.pdf"))
     listed = [

@@ -1,4 +1,7 @@
-"""Limits hold where a solver is asked from Python: in the caller's process, or in a worker."""
+"""Limits hold for a solver asked from Python.
+
+It is asked in the caller's process, or in a worker.
+"""
 
 import multiprocessing
 import os
@@ -19,7 +22,7 @@ from dubins_study.solvers.registry import available_solvers, load
 from tests.cases import PAPER, question_for, scenario_frame
 from tests.marked import left_behind, marked
 
-PLUGINS = Path(__file__).parent / "plugins_that_hang.py"
+PLUGINS = Path(__file__).parents[1] / "plugins" / "hanging.py"
 EASY = PAPER["problem 1"]
 
 # Where SCIP's linear solver printed more than a pipe holds, while Pyomo read that pipe only after
@@ -50,7 +53,9 @@ def plugin(name: str) -> str:
 
 
 def timed(call, bound):
-    """What a call returns, and its seconds: of the first try that ends within the bound.
+    """Result of a call and its seconds.
+
+    They are of the first try that ends within the bound.
 
     On a busy machine any try may be held up; what is slow by itself is so in all three.
     """
@@ -64,7 +69,10 @@ def timed(call, bound):
 
 
 def script(text: str, **options) -> subprocess.CompletedProcess[str]:
-    """A program without `if __name__ == "__main__"`, read from stdin as a notebook's cell is."""
+    """A program without `if __name__ == "__main__"`.
+
+    It is read from stdin as a notebook's cell is.
+    """
     done = subprocess.run(
         [sys.executable, "-"], input=text, capture_output=True, text=True, timeout=120, **options
     )
@@ -78,7 +86,10 @@ def script(text: str, **options) -> subprocess.CompletedProcess[str]:
 @pytest.mark.slow
 @pytest.mark.parametrize("scenario", HANGING)
 def test_a_loud_solve_does_not_hang(scenario):
-    """In a process of its own: the hang could not be interrupted."""
+    """A loud solve does not hang.
+
+    It runs in a process of its own: the hang could not be interrupted.
+    """
     done = script(
         f"from dubins_study import *\nprint(solve({scenario!r}, 'disjunctive', limit=100))"
     )
@@ -102,8 +113,11 @@ def test_a_loud_solve_does_not_hang(scenario):
     ],
 )
 def test_every_promise_is_kept(spec, limit, hard):
-    """In this process, to the second: by default, with the largest settings for which it is made,
-    and with those that loop for long."""
+    """Every promise is kept to the second.
+
+    Solvers run in this process: by default, with the largest settings for which the promise is
+    made, and with those that loop for long.
+    """
     solver = load(spec)
     assert solver.keeps_limit
     # loads the libraries, which are no part of the limit
@@ -136,7 +150,10 @@ def test_large_settings_promise_nothing(spec):
     sorted({*available_solvers()} - {"analytic", "tour-circuit", "tour-routing"}),
 )
 def test_a_worker_answers_alike(name):
-    """Even within a limit shorter than loading the libraries takes."""
+    """A worker answers alike.
+
+    That holds even within a limit shorter than loading the libraries takes.
+    """
     for limit in (0.4, 2.0, 10.0):  # on a busy machine the shortest may end one of the two early
         here, there = (
             solve(*question_for(name, EASY), limit=limit, isolated=isolated)
@@ -162,7 +179,10 @@ def test_analytic_is_never_isolated():
 @pytest.mark.many(1)
 @pytest.mark.parametrize("name", ["Sleeps", "Spins"])
 def test_a_plugin_that_hangs_is_stopped_by_default(name):
-    """A tenth of a second after the limit, and at most a second."""
+    """A plug-in that hangs is stopped by default.
+
+    It is stopped a tenth of a second after the limit, and at most a second.
+    """
     solve(EASY, plugin("Repeats"))  # starts the server of the workers
 
     answer, seconds = timed(partial(solve, EASY, plugin(name), limit=0.5), 1.5)
@@ -182,7 +202,10 @@ def test_a_killed_worker_is_an_outcome():
 
 @pytest.mark.smoke
 def test_a_plugin_promises_for_itself_only():
-    """Its promise counts where its own class makes it; the base class makes none."""
+    """A plug-in promises for itself only.
+
+    Its promise counts where its own class makes it; the base class makes none.
+    """
     assert not Solver().keeps_limit
     assert load("analytic").keeps_limit
     assert not describe_solver(plugin("Repeats")).keeps_limit
@@ -192,7 +215,10 @@ def test_a_plugin_promises_for_itself_only():
 @pytest.mark.parametrize("isolated", [None, True, False])
 @pytest.mark.parametrize("name", ["Repeats", "Promises"])
 def test_where_a_plugin_is_asked(name, isolated):
-    """By default its promise decides; and the initial guess comes along."""
+    """A plug-in's promise decides where it is asked.
+
+    The initial guess comes along.
+    """
     here = name == "Promises" if isolated is None else not isolated
     guess = solve(EASY).path
 
@@ -205,7 +231,10 @@ def test_where_a_plugin_is_asked(name, isolated):
 
 @pytest.mark.smoke
 def test_a_frame_has_one_worker_for_all_rows():
-    """Rows in order, under their index; a row that hangs ends its worker and has its own limit."""
+    """A frame has one worker for all rows.
+
+    Rows come in order, under their index; a row that hangs ends its worker and has its own limit.
+    """
     scenarios = [Scenario(target_x=x, target_y=1, label=str(x)) for x in (4, 3, -2, 5, -1, 6)]
     frame = scenario_frame(scenarios).set_index(pd.Index(list("abcdef")))
 
@@ -224,7 +253,10 @@ def test_a_frame_has_one_worker_for_all_rows():
 
 
 def test_from_threads():
-    """Each has a worker of its own, and none waits for another."""
+    """Each thread has a worker of its own.
+
+    None waits for another.
+    """
     with ThreadPoolExecutor(3) as pool:
         asked = [pool.submit(solve, EASY, plugin("Spins"), limit=0.5) for _ in range(3)]
 
@@ -239,7 +271,10 @@ def _send(connection):
 @pytest.mark.slow
 @pytest.mark.parametrize("method", ["fork", "spawn"])
 def test_from_a_daemon_process(method):
-    """Which may have no children by `multiprocessing`; forked after this process had workers."""
+    """A daemon process can ask.
+
+    It may have no children by `multiprocessing`; it is forked after this process had workers.
+    """
     solve(EASY, plugin("Repeats"))
     context = multiprocessing.get_context(method)
     end, other_end = context.Pipe()
@@ -255,14 +290,20 @@ def test_from_a_daemon_process(method):
 
 @pytest.mark.slow
 def test_from_a_script_without_a_main_guard():
-    """It is not run again in the worker."""
+    """A script without a guard runs once.
+
+    It is not run again in the worker.
+    """
     done = script(f"from dubins_study import *\nprint(solve({EASY!r}, {plugin('Repeats')!r}))")
 
     assert done.stdout.count("Answer(") == 1
 
 
 def test_inside_a_worker():
-    """A plug-in that asks is isolated, and so are those that it asks."""
+    """A plug-in may ask inside a worker.
+
+    It is isolated, and so are those that it asks.
+    """
     answer = solve(EASY, plugin("Asks"), limit=30)
 
     assert answer.message == "timeout, returned"
@@ -283,7 +324,10 @@ def test_inside_a_worker():
     ],
 )
 def test_ctrl_c_goes_through(spec, scenario):
-    """From a worker and from a library, without waiting for the limit; nothing is left behind."""
+    """Ctrl-C goes through.
+
+    It passes a worker and a library, without waiting for the limit; nothing is left behind.
+    """
     mark, environment = marked()
     text = f"from dubins_study import *\nsolve({EASY!r}, {spec!r}, 'LS', limit=0.1)\n"
     text += f"print('now', flush=True)\nwhile True: solve({scenario!r}, {spec!r}, limit=100)"
@@ -311,7 +355,10 @@ def test_what_is_no_choice_is_refused():
 
 
 def test_a_plugin_may_print_while_it_is_loaded(tmp_path):
-    """More than a pipe holds: nobody waits for a reader."""
+    """A plug-in may print while it is loaded.
+
+    It prints more than a pipe holds: nobody waits for a reader.
+    """
     plugin = tmp_path / "loud.py"
     plugin.write_text(
         "from dataclasses import dataclass\n"

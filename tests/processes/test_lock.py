@@ -1,11 +1,12 @@
-"""One run at a time in a folder, whatever becomes of the run that holds it."""
+"""One run at a time in a folder.
+
+That holds whatever becomes of the run that holds it.
+"""
 
 import json
 import os
-import shutil
 import signal
 import stat
-from pathlib import Path
 
 import psutil
 import pytest
@@ -18,17 +19,23 @@ pytestmark = pytest.mark.smoke
 
 
 def contents(folder):
-    """Every file of a folder and its bytes; how long the live run has taken is its own to tell."""
-    held = {file: file.read_bytes() for file in sorted(folder.rglob("*")) if file.is_file()}
-    manifest = json.loads(held.pop(folder / "manifest.json"))
+    """Every file of a folder and its bytes.
+
+    The duration of the live run is left out: it changes.
+    """
+    contents_by_file = {
+        file: file.read_bytes() for file in sorted(folder.rglob("*")) if file.is_file()
+    }
+    manifest = json.loads(contents_by_file.pop(folder / "manifest.json"))
     for entry in manifest["runs"]:
         del entry["seconds"]
-    return held, manifest
+    return contents_by_file, manifest
 
 
 @pytest.mark.slow
 def test_a_second_run_is_told_who_is_at_work_and_touches_nothing(tmp_path):
-    experiment, out = slow_experiment(tmp_path, nap=30), tmp_path / "out"
+    experiment = slow_experiment(tmp_path, nap=30)
+    out = tmp_path / "out"
     with started("run", experiment, "--trust-plugins", "--out", out) as first:
         wait_for(lambda: (out / "manifest.json").exists())
         since = lock_holder(out)["started"]
@@ -48,8 +55,12 @@ def test_a_second_run_is_told_who_is_at_work_and_touches_nothing(tmp_path):
 
 @pytest.mark.slow
 def test_a_killed_run_holds_nothing_even_while_its_workers_live(tmp_path):
-    """kill -9 of the run alone: workers that nap on do not keep the next run out."""
-    experiment, out = slow_experiment(tmp_path, nap=0.2, count=24), tmp_path / "out"
+    """A killed run holds nothing.
+
+    Only the run is killed, by kill -9: workers that nap on do not keep the next run out.
+    """
+    experiment = slow_experiment(tmp_path, nap=0.2, count=24)
+    out = tmp_path / "out"
     with started("run", experiment, "--trust-plugins", "--out", out, "--jobs", "2") as first:
         wait_for(lambda: parts(out))
         children = [child.pid for child in psutil.Process(first.pid).children(recursive=True)]
@@ -60,7 +71,7 @@ def test_a_killed_run_holds_nothing_even_while_its_workers_live(tmp_path):
         first.wait()
         assert any(alive(child) for child in children)
         assert not is_locked(out)
-        kept = done(out)
+        cells = done(out)
         assert status(out).runs[-1].state == "killed"
 
         again = finished("run", experiment, "--trust-plugins", "--out", out)
@@ -69,7 +80,7 @@ def test_a_killed_run_holds_nothing_even_while_its_workers_live(tmp_path):
                 os.kill(child, signal.SIGKILL)
 
     assert again.returncode == 0, again.stderr
-    assert kept <= done(out)
+    assert cells <= done(out)
     assert len(done(out)) == 24
     assert [run["state"] for run in manifest(out)["runs"]] == ["running", "finished"]
     assert [run.state for run in status(out).runs] == ["killed", "finished"]
@@ -81,28 +92,31 @@ def alive(pid):
 
 @pytest.mark.slow
 def test_status_and_report_work_while_a_run_does(tmp_path):
-    experiment, out = slow_experiment(tmp_path, nap=0.3, count=1000), tmp_path / "out"
+    experiment = slow_experiment(tmp_path, nap=0.3, count=1000)
+    out = tmp_path / "out"
     with started("run", experiment, "--trust-plugins", "--out", out) as first:
         wait_for(lambda: parts(out))
-        found = finished("status", out)
-        assert found.returncode == 0
-        assert f"running: process {first.pid} is at work" in found.stdout
-        assert found.stderr == ""
+        process = finished("status", out)
+        assert process.returncode == 0
+        assert f"running: process {first.pid} is at work" in process.stdout
+        assert process.stderr == ""
         page = finished("report", out, "--out", tmp_path / "page")
         assert page.returncode == 0, page.stderr
         assert "Not finished" in (tmp_path / "page" / "index.html").read_text()
         assert first.poll() is None
 
 
-def test_status_writes_nothing(original, tmp_path):
-    """So that a folder that may only be read can be looked at."""
-    out = Path(shutil.copytree(original, tmp_path / "out"))
-    (out / LOCK).unlink()
-    before = {file: file.stat().st_mtime_ns for file in [out, *out.rglob("*")]}
+def test_status_writes_nothing(folder):
+    """`status` writes nothing.
+
+    A folder that may only be read can be looked at.
+    """
+    (folder / LOCK).unlink()
+    before = {file: file.stat().st_mtime_ns for file in [folder, *folder.rglob("*")]}
     for file in before:
         file.chmod(file.stat().st_mode & ~(stat.S_IWUSR | stat.S_IWGRP | stat.S_IWOTH))
 
-    assert status(out).done == CELLS
-    assert {file: file.stat().st_mtime_ns for file in [out, *out.rglob("*")]} == before
+    assert status(folder).done == CELLS
+    assert {file: file.stat().st_mtime_ns for file in [folder, *folder.rglob("*")]} == before
     for file in before:
         file.chmod(file.stat().st_mode | stat.S_IWUSR)

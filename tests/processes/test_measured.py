@@ -1,4 +1,7 @@
-"""What a run measures beside the answers: the floor of an engine's times, and memory."""
+"""Measures of a run beside the answers.
+
+They are the floor of an engine's times, and memory.
+"""
 
 import pytest
 
@@ -46,14 +49,20 @@ def rows(tmp_path_factory):
 
 @pytest.mark.slow
 def test_every_engine_has_a_floor(rows):
-    """A formula and a plug-in of no engine of ours have none."""
+    """Every engine has a floor.
+
+    A formula and a plug-in of no engine of ours have none.
+    """
     without = rows["solver"].isin(["analytic", "heavy.py:Heavy"])
     assert rows.loc[without, "floor_s"].isna().all()
     assert (rows.loc[~without, "floor_s"] > 0).all()
 
 
 def test_memory_is_what_the_solve_added(rows):
-    """64 MiB of doubles are counted, whatever was held before; a formula adds nothing like it."""
+    """Memory is that which the solve added.
+
+    64 MiB of doubles are counted, whatever was held before; a formula adds nothing like it.
+    """
     heavy = rows.loc[rows["solver"] == "heavy.py:Heavy", "memory_mib"]
     assert heavy.between(60, 80).all(), heavy
     assert rows.loc[rows["solver"] == "analytic", "memory_mib"].between(0, 16).all()

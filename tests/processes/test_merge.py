@@ -1,4 +1,7 @@
-"""Folders of one experiment united: nothing lost, nothing twice, no contradiction swallowed."""
+"""Folders of one experiment united.
+
+Nothing is lost, nothing is twice, and no contradiction is swallowed.
+"""
 
 import json
 import os
@@ -27,7 +30,10 @@ TOLERANCE = 1e-4
 
 @pytest.fixture
 def halves(original, tmp_path):
-    """The same folder twice, each with five of its eight rows: two of them are in both."""
+    """The same folder twice, with fewer rows.
+
+    Each has five of its eight rows: two of them are in both.
+    """
     return shard(original, tmp_path / "one", 0, 5), shard(original, tmp_path / "two", 3, 5)
 
 
@@ -41,7 +47,10 @@ def shard(original, folder, first, count):
 
 
 def change(folder, row, **values):
-    """Change one row of a folder, as another attempt at the same cell would have it."""
+    """Change one row of a folder.
+
+    Another attempt at the same cell would have such a row.
+    """
     (part,) = parts(folder)
     table = read_part(part).to_pylist()
     table[row] |= {"run_id": "another", "started": "2030-01-01T00:00:00.000+00:00"} | values
@@ -56,41 +65,45 @@ def frame(folder):
 
 def test_the_union_is_the_whole(original, halves, tmp_path):
     before = {f: f.read_bytes() for half in halves for f in half.rglob("*") if f.is_file()}
-    made = merge(halves, tmp_path / "all")
+    union = merge(halves, tmp_path / "all")
 
     assert all(file.read_bytes() == content for file, content in before.items())
-    assert (made.rows, made.agreeing_repeats, made.stale) == (CELLS, 0, 0)
-    assert frame(made.folder).equals(frame(original))
-    held, one = manifest(made.folder), manifest(original)
+    assert (union.rows, union.agreeing_repeats, union.stale) == (CELLS, 0, 0)
+    assert frame(union.folder).equals(frame(original))
+    held = manifest(union.folder)
+    one = manifest(original)
     assert held["finished"] == one["finished"]
     assert held["runs"] == one["runs"]  # the same run in both: once
     assert held["cells"] == CELLS
-    assert status(made.folder).finished
-    assert len(load([made.folder]).rows) == CELLS
+    assert status(union.folder).finished
+    assert len(load([union.folder]).rows) == CELLS
 
 
 def test_a_union_that_is_not_whole_can_be_completed(experiment, original, tmp_path):
     folders = [shard(original, tmp_path / str(first), first, 3) for first in (0, 2)]
-    made = merge(folders, tmp_path / "part")
-    assert made.rows == 5
-    assert manifest(made.folder)["finished"] is None
-    assert status(made.folder).left == {"analytic": CELLS - 5}
+    union = merge(folders, tmp_path / "part")
+    assert union.rows == 5
+    assert manifest(union.folder)["finished"] is None
+    assert status(union.folder).left == {"analytic": CELLS - 5}
 
-    run(experiment, made.folder)
+    run(experiment, union.folder)
 
-    assert frame(made.folder)[KEYS].equals(frame(original)[KEYS])
-    assert status(made.folder).finished
+    assert frame(union.folder)[KEYS].equals(frame(original)[KEYS])
+    assert status(union.folder).finished
 
 
 def test_of_attempts_that_agree_the_earlier_is_kept(halves, tmp_path):
-    """However the folders are given; wall times may differ, and the gap a little."""
+    """Of attempts that agree the earlier is kept.
+
+    The order of the folders does not matter. Wall times may differ, and the gap a little.
+    """
     gap = read_rows(halves[1])["gap"][0].as_py()
     change(halves[1], 0, wall_s=9.0, gap=gap + TOLERANCE / 2)
     for order in (halves, halves[::-1]):
-        made = merge(order, tmp_path / "all")
-        assert (made.rows, made.agreeing_repeats) == (CELLS, 1)
-        assert "another" not in set(read_rows(made.folder)["run_id"].to_pylist())
-        shutil.rmtree(made.folder)
+        union = merge(order, tmp_path / "all")
+        assert (union.rows, union.agreeing_repeats) == (CELLS, 1)
+        assert "another" not in set(read_rows(union.folder)["run_id"].to_pylist())
+        shutil.rmtree(union.folder)
 
 
 @pytest.mark.parametrize(
@@ -105,19 +118,22 @@ def test_of_attempts_that_agree_the_earlier_is_kept(halves, tmp_path):
     ],
 )
 def test_a_contradiction_is_refused(halves, tmp_path, column, value):
-    """The cell, the column and both values are named, and nothing is written."""
+    """A contradiction is refused.
+
+    The cell, the column and both values are named, and nothing is written.
+    """
     before = read_rows(halves[1])[column][0].as_py()
     row = change(halves[1], 0, **{column: value})
     with pytest.raises(ResultsError) as error:
         merge(halves, tmp_path / "all")
 
-    said = str(error.value)
-    assert "contradict each other in 1 cell; nothing was merged" in said
-    assert ", ".join(str(row[name]) for name in KEYS) in said
-    assert f"{column} is " in said
+    message = str(error.value)
+    assert "contradict each other in 1 cell; nothing was merged" in message
+    assert ", ".join(str(row[name]) for name in KEYS) in message
+    assert f"{column} is " in message
     for found, folder in ((before, halves[0]), (value, halves[1])):
         shown = float("nan") if found is None else found
-        assert f"{shown} in {folder}" in said
+        assert f"{shown} in {folder}" in message
     assert {f.name for f in tmp_path.iterdir()} == {"one", "two"}
 
 
@@ -125,11 +141,11 @@ def test_contradictions_are_counted_and_the_first_five_listed(original, tmp_path
     folders = [shard(original, tmp_path / name, 0, CELLS) for name in ("one", "two")]
     for row in range(7):
         change(folders[1], row, verdict="misses")
-    said = finished("merge", *folders, "--out", tmp_path / "all")
+    process = finished("merge", *folders, "--out", tmp_path / "all")
 
-    assert said.returncode == 2
-    assert said.stdout == ""
-    lines = said.stderr.splitlines()
+    assert process.returncode == 2
+    assert process.stdout == ""
+    lines = process.stderr.splitlines()
     assert "contradict each other in 7 cells" in lines[0]
     assert len(lines) == 1 + 5 + 1
     assert lines[-1].strip() == "and 2 more"
@@ -137,13 +153,16 @@ def test_contradictions_are_counted_and_the_first_five_listed(original, tmp_path
 
 
 def test_other_code_is_another_cell(halves, tmp_path):
-    """Both rows are kept; the first folder's code counts, the other's rows are stale."""
-    change(halves[1], 0, verdict="misses", code_digest="ffffffffffff")
-    made = merge(halves, tmp_path / "all")
+    """Other code is another cell.
 
-    assert (made.rows, made.agreeing_repeats, made.stale) == (CELLS + 1, 0, 1)
-    assert status(made.folder).stale == 1
-    assert len(load([made.folder]).rows) == CELLS
+    Both rows are kept; the first folder's code counts, the other's rows are stale.
+    """
+    change(halves[1], 0, verdict="misses", code_digest="ffffffffffff")
+    union = merge(halves, tmp_path / "all")
+
+    assert (union.rows, union.agreeing_repeats, union.stale) == (CELLS + 1, 0, 1)
+    assert status(union.folder).stale == 1
+    assert len(load([union.folder]).rows) == CELLS
 
 
 def _other(folder):
@@ -189,7 +208,8 @@ def test_places_that_are_taken(halves, tmp_path):
 
 
 def test_a_folder_in_use_is_left_alone(tmp_path):
-    experiment, out = slow_experiment(tmp_path, nap=0.3, count=1000), tmp_path / "out"
+    experiment = slow_experiment(tmp_path, nap=0.3, count=1000)
+    out = tmp_path / "out"
     with started("run", experiment, "--trust-plugins", "--out", out):
         wait_for(lambda: parts(out))
         with pytest.raises(ResultsError, match="is in use by a run; merge it when that has ended"):
@@ -197,7 +217,10 @@ def test_a_folder_in_use_is_left_alone(tmp_path):
 
 
 def test_a_merge_that_is_killed_leaves_nothing_at_its_place(halves, tmp_path, monkeypatch):
-    """What lies beside it is hidden, and in nobody's way."""
+    """A killed merge leaves nothing at its place.
+
+    What lies beside it is hidden, and in nobody's way.
+    """
     out = tmp_path / "all"
     program = os.fork()
     if program == 0:
@@ -241,9 +264,13 @@ def table_of(attempts, folder):
 
 @given(ATTEMPTS, ATTEMPTS, ATTEMPTS)
 def test_any_folders(one, two, three):
-    """Against a dictionary: the earliest of each cell, or a refusal if two differ from it."""
+    """Any folders merge as a dictionary does.
+
+    It has the earliest of each cell, or a refusal if two differ from it.
+    """
     tables = [table_of(own, i) for i, own in enumerate((one, two, three))]
-    best, clash = {}, False
+    best = {}
+    clash = False
     every = [row for table in tables for row in table.to_pylist()]
     for row in sorted(every, key=lambda row: row["started"]):
         first = best.setdefault(row["scenario_id"], row)

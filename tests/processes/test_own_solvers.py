@@ -1,4 +1,7 @@
-"""The conformance kit on this package's own solvers, each in a worker process."""
+"""The conformance kit on this package's own solvers.
+
+Each runs in a worker process.
+"""
 
 import pytest
 
@@ -44,7 +47,10 @@ def variants() -> list[str]:
 @pytest.mark.slow
 @pytest.mark.parametrize("name", available_solvers())
 def test_every_solver_passes_every_check(name):
-    """With no note but for coarse answers, and where time or guesses end before an optimum."""
+    """Every solver passes every check.
+
+    Notes are only about coarse answers, and about time or guesses that end before an optimum.
+    """
     asked = ("loading", *BRIEF) if name in SLOW else tuple(CHECKS)
     report = check_solver(name, checks=asked, time_limit=TIME_LIMITS.get(name, 5.0))
 

@@ -1,4 +1,7 @@
-"""What someone who only plans paths must install, and what is said of what they have not."""
+"""Packages that a planner of paths must install.
+
+Messages name those that are missing.
+"""
 
 import json
 import re
@@ -62,7 +65,7 @@ print(json.dumps(replies))
 
 
 def listed() -> set[str]:
-    """The packages of the line of the page that a planner is told to type."""
+    """Packages of the page's line for planners."""
     [line] = re.findall(r"^pip install ((?!-|'|\.)[\w -]+)$", PAGE.read_text(), flags=re.M)
     return {canonicalize_name(name) for name in line.split()}
 
@@ -81,7 +84,10 @@ def with_their_own(packages: set[str]) -> set[str]:
 
 
 def replies(packages: set[str], lines: tuple[str, ...], folder: Path) -> list[list[object]]:
-    """Command, exit code and stderr of each line, in one interpreter that has these packages."""
+    """Reply to each line with some packages alone.
+
+    A reply has command, exit code and stderr; one interpreter answers all lines.
+    """
     hidden = {
         module
         for module, owners in packages_distributions().items()
@@ -94,14 +100,21 @@ def replies(packages: set[str], lines: tuple[str, ...], folder: Path) -> list[li
 
 @pytest.mark.slow
 def test_the_list_on_the_page_is_all_that_a_planner_needs(tmp_path):
-    """Legs, routes and tours are solved, proved and written with the packages of the list alone."""
+    """The page's list is all that planners need.
+
+    Legs, routes and tours are solved, proved and written with the packages of the list alone.
+    """
     done = replies(with_their_own(listed()), PLANS, tmp_path)
 
     assert [[line, code] for line, code, _ in done] == [[line, 0] for line in PLANS]
 
 
 def test_what_needs_another_package_names_it(tmp_path):
-    """Exit code 2 and one line, whatever the command; a traceback would be a second line."""
+    """A missing package is named.
+
+    The exit code is 2 and there is one line, whatever the command; a traceback would be a second
+    line.
+    """
     done = replies(with_their_own(listed()), tuple(NEED_MORE), tmp_path)
 
     assert [line for line, _, _ in done] == list(NEED_MORE)
@@ -115,7 +128,10 @@ def test_what_needs_another_package_names_it(tmp_path):
 
 @pytest.mark.parametrize("package", ["typer", "pydantic", "numpy", "numba", "python-flint"])
 def test_a_route_needs_each_of_the_list(package, tmp_path):
-    """Without one package the command names it, that of the command line itself included."""
+    """A route needs each of the list.
+
+    Without one package the command names it, that of the command line itself included.
+    """
     assert package in listed()
     [[_, code, message]] = replies(with_their_own(listed()) - {package}, (ROUTE,), tmp_path)
 
@@ -124,6 +140,9 @@ def test_a_route_needs_each_of_the_list(package, tmp_path):
 
 
 def test_a_module_of_no_package_that_is_used_is_a_bug():
-    """A slip in an import of this package's own is raised, and keeps its traceback."""
+    """An unknown module is a bug.
+
+    A slip in an import of this package's own is raised, and keeps its traceback.
+    """
     with pytest.raises(ModuleNotFoundError, match="no such room"):
         refuse_missing(ModuleNotFoundError("no such room", name="dubins_study.nonsense"))

@@ -1,4 +1,7 @@
-"""The plug-ins of `examples/`: the honest ones pass the conformance kit, the lying one does not."""
+"""The example plug-ins in the conformance kit.
+
+The honest ones pass it, the lying one does not.
+"""
 
 import json
 import os
@@ -87,24 +90,33 @@ HABITS = {
 
 @pytest.fixture
 def beside(monkeypatch):
-    """The folders of the plug-ins on the path, as if they were installed."""
+    """Put the plug-ins' folders on the path.
+
+    They are then found as if installed.
+    """
     for name in ("plugin-honest", "plugin-lying"):
         monkeypatch.syspath_prepend(EXAMPLES / name / "src")
 
 
 def text_of(result) -> str:
-    """What a check says, in one line."""
+    """Text of a check's result, in one line."""
     return " ".join(f"{one.observed} {one.advice}" for one in result.findings)
 
 
 def report_of(spec: str, check: str):
-    """The report of one check, and of `outcome`, by which a solver that never answers is found."""
+    """Report of one check and of `outcome`.
+
+    `outcome` finds a solver that never answers.
+    """
     before = [] if check == "limits" else ["outcome"]
     return check_solver(spec, checks=[*before, check], time_limit=1)
 
 
 def failed(spec: str, check: str, words: str):
-    """The report of a plug-in that must fail this check, and for the reason that is said."""
+    """Report of a plug-in that fails one check.
+
+    It has to fail for the reason that is said.
+    """
     report = report_of(spec, check)
     assert not report.passed
     assert report[check].status is Status.FAIL, report
@@ -115,7 +127,10 @@ def failed(spec: str, check: str, words: str):
 @pytest.mark.slow
 @pytest.mark.parametrize("lie", LIES)
 def test_every_lie_is_found_in_the_right_words(beside, lie):
-    """What was seen, what to do, and a command that asks again."""
+    """Every lie is found in the right words.
+
+    They say what was seen and what to do, with a command that asks again.
+    """
     check, words = LIES[lie]
     report = failed(f"{LYING}/lies.py:Lying[lie={lie}]", check, words)
 
@@ -132,7 +147,10 @@ def test_every_bad_habit_is_found_in_the_right_words(beside, habit):
 
 
 def test_every_lie_is_in_the_tables(beside):
-    """A lie that no test expects would be found by nobody."""
+    """Every lie is in the tables.
+
+    A lie that no test expects would be found by nobody.
+    """
     import lying_dubins
     from lying_dubins import habits
 
@@ -153,7 +171,10 @@ def test_what_does_no_harm_is_a_note(beside):
 
 @pytest.mark.slow
 def test_an_exception_has_the_plugins_own_frames(beside):
-    """The line that called the library, the library's own lines, and none of ours."""
+    """An exception has the plug-in's own frames.
+
+    They are the line that called the library and the library's own lines, and none of ours.
+    """
     report = report_of(f"{LYING}/lies.py:Lying[lie=raises behind]", "outcome")
     trace = report["outcome"].findings[0].traceback
 
@@ -186,7 +207,10 @@ def test_a_command_of_a_finding_asks_the_same_question(beside):
 
 @pytest.mark.slow
 def test_the_solver_in_eight_lines():
-    """It claims no more than it knows; where it finds nothing are notes."""
+    """The solver in eight lines passes.
+
+    It claims no more than it knows; where it finds nothing are notes.
+    """
     lines = (EXAMPLES / "eight_lines.py").read_text().partition("class ")[2].splitlines()
     assert len([line for line in lines if line.strip()]) == 8
 
@@ -198,7 +222,10 @@ def test_the_solver_in_eight_lines():
 
 @pytest.fixture(scope="module")
 def installed(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
-    """What a user's environment has more who has installed both plug-ins with pip, offline."""
+    """An environment with both plug-ins installed.
+
+    pip installs them offline, as a user would.
+    """
     folder = tmp_path_factory.mktemp("installed")
     venv.create(folder / "env", with_pip=True, system_site_packages=True)
     libraries = os.pathsep.join(entry for entry in sys.path if "site-packages" in entry)
@@ -240,7 +267,10 @@ def test_an_installed_plugin_is_one_of_the_solvers(installed, tmp_path):
 
 @pytest.mark.slow
 def test_the_tests_of_the_honest_plugin(installed, tmp_path):
-    """As its author runs them: one test for each check."""
+    """The tests of the honest plug-in pass.
+
+    They run as its author runs them: one test for each check.
+    """
     shutil.copytree(EXAMPLES / "plugin-honest" / "tests", tmp_path / "tests")
     program = "import pytest; raise SystemExit(pytest.main(['-q', '-p', 'no:cacheprovider']))"
     shown = output(interpreted(program, cwd=tmp_path, **installed))

@@ -1,4 +1,4 @@
-"""What is known afterwards of where a row came from."""
+"""Records of where a row came from."""
 
 import json
 import os
@@ -29,7 +29,10 @@ pytestmark = pytest.mark.smoke
 
 
 def test_a_clock_that_is_set_back_changes_no_duration():
-    """Only `provenance.now` reads the wall clock, which names moments; durations are monotonic."""
+    """A clock set back changes no duration.
+
+    Only `provenance.now` reads the wall clock, which names moments; durations are monotonic.
+    """
     wall_clock = re.compile(r"datetime\.\w*now|time\.time\b|from time import .*\btime\b")
     package = Path(provenance.__file__).parents[1]
     readers = [file for file in package.rglob("*.py") if wall_clock.search(file.read_text("utf-8"))]
@@ -38,7 +41,10 @@ def test_a_clock_that_is_set_back_changes_no_duration():
 
 
 def test_the_governor_of_all_cores(tmp_path):
-    """Where it is not known, that is what is said; where cores differ, both are."""
+    """The governor of all cores.
+
+    Where it is not known, the text says that; where cores differ, both are named.
+    """
     assert governor(tmp_path) == "unknown"
     for number, name in enumerate(("performance", "performance", "powersave")):
         place = tmp_path / f"cpu{number}" / "cpufreq"
@@ -49,7 +55,10 @@ def test_the_governor_of_all_cores(tmp_path):
 
 
 def test_ipopt_inside_casadi_is_asked_itself():
-    """Against the name of the library's own file."""
+    """Ipopt inside casadi names its own version.
+
+    The name of the library's own file has it too.
+    """
     import casadi
 
     names = [file.name for file in Path(casadi.__file__).parent.glob("libipopt.so.3.*")]
@@ -66,7 +75,10 @@ def test_scip_inside_pyscipopt_is_asked_itself():
 
 
 def test_rows_hold_the_libraries_versions(tmp_path):
-    """Those of the worker that solved them."""
+    """Rows hold their libraries' versions.
+
+    The libraries are those of the worker that solved them.
+    """
     folder = run(str(quick_experiment(tmp_path, 2, 'ipopt", "analytic')), tmp_path / "out")
     rows = read_rows(folder, ["versions"]).to_pylist()
     by_solver = {row["solver"]: json.loads(row["versions"]) for row in rows}
@@ -89,10 +101,13 @@ def test_a_plugin_that_cannot_tell_its_versions_costs_no_row():
 
 
 def test_a_run_leaves_an_entry(tmp_path):
-    """Command, machine, threads, load, state of the source, start and end."""
+    """A run leaves an entry.
+
+    It has command, machine, threads, load, state of the source, start and end.
+    """
     folder = run(str(quick_experiment(tmp_path, 3)), tmp_path / "out", time_limit=7.0)
-    held = manifest(folder)
-    (entry,) = held["runs"]
+    content = manifest(folder)
+    (entry,) = content["runs"]
 
     assert entry["command"].startswith("dubins-study run ")
     assert "--time-limit 7.0" in entry["command"]
@@ -108,7 +123,7 @@ def test_a_run_leaves_an_entry(tmp_path):
     assert entry["started"] < entry["ended"]
     assert len(entry["load_start"]) == len(entry["load_end"]) == 3
     assert {entry["run_id"]} == set(read_rows(folder, ["run_id"])["run_id"].to_pylist())
-    assert held["solvers"]["slsqp"]["packages"] == {"scipy": __import__("scipy").__version__}
+    assert content["solvers"]["slsqp"]["packages"] == {"scipy": __import__("scipy").__version__}
 
 
 def timed(probes):
@@ -123,7 +138,10 @@ def test_few_probes_say_nothing():
 
 
 def test_machines_are_not_compared_with_each_other():
-    """Two that are steady, one twice as fast; a third that is not steady decides."""
+    """Machines are not compared with each other.
+
+    Two are steady, one twice as fast; a third that is not steady decides.
+    """
     steady = [Probe(i, 1e-3 * machine, machine) for i in range(20) for machine in (1, 2)]
     loud = [Probe(i, 1e-3 * (1 + i % 2), 3) for i in range(20)]
 
@@ -135,7 +153,10 @@ def test_machines_are_not_compared_with_each_other():
 
 
 def test_an_executor_is_read_under_its_old_name():
-    """As manifests of the first benchmark have it; it is written under its own."""
+    """An executor is read under its old name.
+
+    Manifests of the first benchmark have it; it is written under its own.
+    """
     entry = RunEntry.model_validate({"engine": "dask"})
 
     assert entry.executor == "dask"

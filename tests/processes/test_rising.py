@@ -1,4 +1,7 @@
-"""Rising experiments: a solver that fails on all routes of a size is not asked the longer ones."""
+"""Rising experiments stop where a solver fails.
+
+A solver that fails on all routes of a size is not asked the longer ones.
+"""
 
 import pytest
 
@@ -53,7 +56,10 @@ def rows_by_size(folder):
 
 
 def test_a_solver_that_fails_on_a_size_is_not_asked_larger_ones(tmp_path, monkeypatch):
-    """Its rows say so and count as failures; others go on; a second run asks nobody again."""
+    """A failing solver is not asked larger sizes.
+
+    Its rows say so and count as failures; others go on; a second run asks nobody again.
+    """
     monkeypatch.chdir(tmp_path)
     (tmp_path / "late.py").write_text(LATE)
     (tmp_path / "rising.toml").write_text(RISING.format(label="a"))
@@ -79,7 +85,10 @@ def test_a_solver_that_fails_on_a_size_is_not_asked_larger_ones(tmp_path, monkey
 
 @pytest.mark.slow
 def test_a_block_has_a_time_limit_of_its_own(tmp_path, monkeypatch):
-    """Each row says its limit; a limit that is asked for replaces all of them."""
+    """A block has a time limit of its own.
+
+    Each row says its limit; a limit that is asked for replaces all of them.
+    """
     monkeypatch.chdir(tmp_path)
     (tmp_path / "rising.toml").write_text(RISING.format(label="b"))
 
@@ -117,7 +126,10 @@ class Dies(Solver):
 
 
 def test_a_warm_up_that_fails_on_a_route_leaves_that_on_a_leg(tmp_path, monkeypatch):
-    """Else each later worker would pay for its imports within the limit of a question."""
+    """A failed warm-up on routes keeps that on legs.
+
+    Else each later worker would pay for its imports within the limit of a question.
+    """
     monkeypatch.chdir(tmp_path)
     (tmp_path / "dies.py").write_text(DIES)
     text = RISING.format(label="c").replace("late.py:Late", "dies.py:Dies")
@@ -148,7 +160,10 @@ end = "any"
 
 
 def test_tours_rise_by_their_points(tmp_path, monkeypatch):
-    """One that may end at any point has as many legs; the smallest is asked, and fails."""
+    """Tours rise by their points.
+
+    One that may end at any point has as many legs; the smallest is asked, and fails.
+    """
     monkeypatch.chdir(tmp_path)
     takes = '"via points"})'
     assert takes in LATE

@@ -1,8 +1,10 @@
-"""Runs: every cell a row, nothing twice, and what is done stays done."""
+"""Runs: a row for every cell, and resuming.
+
+Nothing is there twice, and what is done stays done.
+"""
 
 import json
 import math
-import shutil
 from pathlib import Path
 
 import pyarrow as pa
@@ -26,6 +28,7 @@ from dubins_study.solvers.registry import SolverError
 from dubins_study.study.rows.parts import ResultsError
 from dubins_study.study.rows.schema import ROW, names
 from dubins_study.study.words import Outcome
+from tests.live_run import manifest
 
 pytestmark = pytest.mark.smoke
 
@@ -54,15 +57,13 @@ def small(tmp_path):
 
 @pytest.fixture(scope="module")
 def original(tmp_path_factory):
-    """Its finished run, which no test changes."""
+    """Folder of a finished run.
+
+    No test changes it.
+    """
     file = tmp_path_factory.mktemp("original") / "small.toml"
     file.write_text(SMALL)
     return run(str(file), file.parent / "out")
-
-
-@pytest.fixture
-def folder(original, tmp_path):
-    return Path(shutil.copytree(original, tmp_path / "out"))
 
 
 def rows(folder):
@@ -70,40 +71,46 @@ def rows(folder):
 
 
 def test_every_cell_becomes_a_judged_row(original):
-    found = rows(original)
-    assert list(found.columns) == names(ROW)
-    assert len(found) == CELLS
-    assert not found.duplicated(subset=["solver", "branch", "initial_guess", "radius"]).any()
-    assert set(found["outcome"]) == {"returned"}
-    best = found[found["branch"] == "best"]
+    table = rows(original)
+    assert list(table.columns) == names(ROW)
+    assert len(table) == CELLS
+    assert not table.duplicated(subset=["solver", "branch", "initial_guess", "radius"]).any()
+    assert set(table["outcome"]) == {"returned"}
+    best = table[table["branch"] == "best"]
     assert set(best["verdict"]) == {"optimal"}
     # R = 2 puts the target into the left disc, where LS does not exist
-    gone = found[(found["radius"] == 2.0) & (found["branch"] == "LS")]
+    gone = table[(table["radius"] == 2.0) & (table["branch"] == "LS")]
     assert set(gone[gone["solver"] == "analytic"]["verdict"]) == {"none exists"}
-    assert (found["threads"] == 1).all()
-    assert (found["wall_s"] > 0).all()
-    assert json.loads(found["versions"][0])["numpy"]
+    assert (table["threads"] == 1).all()
+    assert (table["wall_s"] > 0).all()
+    assert json.loads(table["versions"][0])["numpy"]
 
 
 def test_a_finished_run_is_one_part_and_a_second_run_changes_nothing(small, folder, monkeypatch):
-    before, manifest = rows(folder), (folder / "manifest.json").read_text()
+    before = rows(folder)
+    entries = (folder / "manifest.json").read_text()
     assert len(list((folder / "parts").iterdir())) == 1
     monkeypatch.setattr(local, "solve_chains", lambda *a: pytest.fail("solved again"))
 
     run(small, folder)
 
     assert rows(folder).equals(before)
-    assert (folder / "manifest.json").read_text() == manifest
+    assert (folder / "manifest.json").read_text() == entries
 
 
 def test_rows_without_a_solve_are_interrupted_too(small):
-    """Of a solver that is not tried again: thousands of rows hold up neither Ctrl-C nor news."""
+    """Rows without a solve are interrupted too.
+
+    They are of a solver that is not tried again: thousands of rows hold up neither Ctrl-C nor
+    news.
+    """
     cells = chains(read(small).experiment) * 400
     reply = no_answer(Outcome.CRASHED, "no more")
     unit = WorkUnit(RunSettings("r", 60.0), cells)
 
     def rows_made(until):
-        stop, rows = Interruption(), 0
+        stop = Interruption()
+        rows = 0
         with WorkerPool(1) as pool:
             pool._unloadable |= {(chain[0].solver, chain[0].profile): reply for chain in cells}
             for made in solve_chains(pool, unit, stop):
@@ -116,7 +123,10 @@ def test_rows_without_a_solve_are_interrupted_too(small):
 
 
 def test_a_run_cut_short_is_completed(small, original, tmp_path, monkeypatch):
-    """Whatever is done stays; the rest is added; a warm sweep is solved again."""
+    """A run cut short is completed.
+
+    Whatever is done stays; the rest is added; a warm sweep is solved again.
+    """
     whole = rows(original)
     solved = local.solve_chains
 
@@ -130,9 +140,9 @@ def test_a_run_cut_short_is_completed(small, original, tmp_path, monkeypatch):
     with pytest.raises(KeyboardInterrupt):
         run(small, tmp_path / "cut")
     monkeypatch.undo()
-    kept = done(tmp_path / "cut")
-    assert 0 < len(kept) < CELLS
-    assert not json.loads((tmp_path / "cut" / "manifest.json").read_text())["finished"]
+    cells = done(tmp_path / "cut")
+    assert 0 < len(cells) < CELLS
+    assert not manifest(tmp_path / "cut")["finished"]
 
     again = rows(run(small, tmp_path / "cut"))
 
@@ -193,11 +203,14 @@ def test_requests_that_are_refused_leave_no_folder(small, tmp_path, change, mess
 
 
 def test_the_old_word_for_the_executor_is_taken_with_a_hint(small, tmp_path):
-    """At the caller's line, whether the request is then refused or not."""
+    """The old word for the executor gives a hint.
+
+    The hint is at the caller's line, whether the request is then refused or not.
+    """
     with pytest.warns(FutureWarning, match=r"run\(executor='dask'\)") as found:
         run(small, tmp_path / "out", solvers=["analytic"], engine="local")
     assert found[0].filename == __file__
-    [entry] = json.loads((tmp_path / "out" / "manifest.json").read_text())["runs"]
+    [entry] = manifest(tmp_path / "out")["runs"]
     assert entry["executor"] == "local"
     assert "engine" not in entry
     with (
@@ -248,10 +261,10 @@ def test_a_plugin_that_breaks_its_promise_spoils_no_other_row(small, tmp_path, j
         "Raising": ("raised", "OSError: no licence"),
     }
     specs = [f"{plugin}:{name}" for name in expected]
-    found = rows(run(small, tmp_path / "out", solvers=["analytic", *specs], jobs=jobs))
+    table = rows(run(small, tmp_path / "out", solvers=["analytic", *specs], jobs=jobs))
 
-    assert len(found) == 8 + 5 * 16
-    by_solver = dict(list(found.groupby("solver")))
+    assert len(table) == 8 + 5 * 16
+    by_solver = dict(list(table.groupby("solver")))
     assert set(by_solver["analytic"]["outcome"]) == {"returned"}
     for name, (outcome, message) in expected.items():
         part = by_solver[f"{plugin}:{name}"]
@@ -262,11 +275,11 @@ def test_a_plugin_that_breaks_its_promise_spoils_no_other_row(small, tmp_path, j
 
 
 def test_progress_counts_every_cell(small, tmp_path):
-    told = []
-    run(small, tmp_path / "out", progress=lambda n, total: told.append((n, total)))
+    messages = []
+    run(small, tmp_path / "out", progress=lambda n, total: messages.append((n, total)))
 
-    assert told[-1] == (CELLS, CELLS)
-    assert [n for n, _ in told] == sorted(n for n, _ in told)
+    assert messages[-1] == (CELLS, CELLS)
+    assert [n for n, _ in messages] == sorted(n for n, _ in messages)
 
 
 LATE = """
@@ -285,8 +298,12 @@ class Warmed(Slsqp):
 
 @pytest.mark.slow
 def test_a_resumed_sweep_starts_where_an_unbroken_one_would(tmp_path):
-    """After a failure, and across holes: from the last path that was found before."""
-    plugin, file = tmp_path / "late.py", tmp_path / "sweep.toml"
+    """A resumed sweep starts like an unbroken one.
+
+    It starts from the last path that was found before, after a failure and across holes.
+    """
+    plugin = tmp_path / "late.py"
+    file = tmp_path / "sweep.toml"
     plugin.write_text(LATE.replace("FAILS", "True"))
     file.write_text(
         'title = "sweep"\nquestion = "?"\nsolvers = ["analytic"]\ninitial_guesses = ["warm"]\n'
@@ -301,10 +318,10 @@ def test_a_resumed_sweep_starts_where_an_unbroken_one_would(tmp_path):
     for gone in ([3.0, 4.0, 5.0], [3.0, 5.0], [4.0], [2.0, 3.0]):
         part = next((tmp_path / "out" / "parts").glob("*.parquet"))
         table = pq.read_table(part)
-        kept = table.filter(pc.invert(pc.is_in(table["radius"], value_set=pa.array(gone))))
+        rest = table.filter(pc.invert(pc.is_in(table["radius"], value_set=pa.array(gone))))
         name = part.stem
         part.unlink()
-        write_part(tmp_path / "out", name, kept)
+        write_part(tmp_path / "out", name, rest)
 
         again = rows(run(file, tmp_path / "out", solvers=[spec])).sort_values("radius")
 
@@ -314,7 +331,9 @@ def test_a_resumed_sweep_starts_where_an_unbroken_one_would(tmp_path):
 
 @pytest.mark.slow
 def test_engines_whose_libraries_clash_share_no_worker(tmp_path):
-    """SLEQP loads another HiGHS than highspy's: in one process HiGHS then answers nothing.
+    """Engines with clashing libraries share no worker.
+
+    SLEQP loads another HiGHS than highspy's: in one process HiGHS then answers nothing.
 
     SLEQP takes a minute where a word has no path.
     """

@@ -1,8 +1,10 @@
-"""What `status` says of a folder: counted by hand, and estimated from what the folder holds."""
+"""The text of `status` about a folder.
+
+It is counted by hand, and estimated from what the folder holds.
+"""
 
 import json
 import re
-import shutil
 from dataclasses import replace
 
 import pytest
@@ -26,14 +28,11 @@ def original(tmp_path_factory):
     return run(str(experiment), place / "out")
 
 
-@pytest.fixture
-def folder(original, tmp_path):
-    shutil.copytree(original, tmp_path / "out")
-    return tmp_path / "out"
-
-
 def rewrite(folder, edit):
-    """Put other rows into a folder: those that `edit` makes of its own."""
+    """Put edited rows into a folder.
+
+    `edit` makes them of its own.
+    """
     (part,) = parts(folder)
     rows = edit(read_part(part).to_pylist())
     part.unlink()
@@ -46,29 +45,35 @@ def amend(folder, **changes):
 
 
 def test_done_left_and_failing_are_counted(folder):
-    """Of 30 cells: 2 of slsqp and all of shooting left, 3 timed out, 1 of earlier code."""
+    """Done, left and failing cells are counted.
+
+    Of 30 cells: 2 of slsqp and all of shooting left, 3 timed out, 1 of earlier code.
+    """
 
     def edit(rows):
         rows = [row for row in rows if row["solver"] != "shooting"]
-        own = [row for row in rows if row["solver"] == "slsqp"]
-        for row in own[:3]:
+        solver_rows = [row for row in rows if row["solver"] == "slsqp"]
+        for row in solver_rows[:3]:
             row |= {"outcome": "timeout", "claim": "none", "verdict": "none"}
-        own[3]["code_digest"] = "ffffffffffff"
-        rows.remove(own[4])
+        solver_rows[3]["code_digest"] = "ffffffffffff"
+        rows.remove(solver_rows[4])
         return rows
 
     rewrite(folder, edit)
-    found = status(folder)
+    progress = status(folder)
 
-    assert (found.cells, found.done, found.stale) == (3 * CELLS, 2 * CELLS - 2, 1)
-    assert found.left == {"slsqp": 2, "shooting": CELLS}
-    assert found.failing == {"timeout": 3}
-    assert found.verdicts["slsqp"] == {"timeout": 3, "optimal": CELLS - 5}
-    assert found.verdicts["analytic"] == {"optimal": CELLS}
+    assert (progress.cells, progress.done, progress.stale) == (3 * CELLS, 2 * CELLS - 2, 1)
+    assert progress.left == {"slsqp": 2, "shooting": CELLS}
+    assert progress.failing == {"timeout": 3}
+    assert progress.verdicts["slsqp"] == {"timeout": 3, "optimal": CELLS - 5}
+    assert progress.verdicts["analytic"] == {"optimal": CELLS}
 
 
 def test_a_folder_that_has_lost_rows_is_not_finished(folder):
-    """A part of a run that had finished is cut short: the cells of its rows are left."""
+    """A folder that lost rows is not finished.
+
+    A part of a run that had finished is cut short: the cells of its rows are left.
+    """
     assert status(folder).finished
     (part,) = parts(folder)
     part.write_bytes(part.read_bytes()[:100])
@@ -101,7 +106,10 @@ def test_the_time_left_is_that_of_the_cells_so_far(folder):
 
 
 def test_how_long_a_killed_run_took_is_not_known(folder):
-    """Its entry holds the time at which it last wrote the manifest."""
+    """A killed run's duration is not known.
+
+    Its entry holds the time at which it last wrote the manifest.
+    """
     amend(folder, runs=[{"run_id": "r", "state": "running", "seconds": 0.001}])
     (entry,) = status(folder).runs
 
@@ -120,9 +128,9 @@ def test_of_many_solvers_the_text_names_the_five_with_most_cells_left(folder):
 def test_without_rows_no_time_is_made_up(folder):
     rewrite(folder, lambda rows: [row for row in rows if row["solver"] == "analytic"])
     amend(folder, solvers={"slsqp": manifest(folder)["solvers"]["slsqp"]}, cells=CELLS)
-    found = status(folder)
+    progress = status(folder)
 
-    assert found.seconds_left is None
+    assert progress.seconds_left is None
     assert (
         "time left   unknown: no row is done yet to judge by" in finished("status", folder).stdout
     )
@@ -131,30 +139,33 @@ def test_without_rows_no_time_is_made_up(folder):
 def test_json_is_one_object_with_the_same(folder):
     rewrite(folder, lambda rows: rows[:-3])
     amend(folder, finished=None)
-    said = finished("status", folder, "--json")
-    found = json.loads(said.stdout)
+    process = finished("status", folder, "--json")
+    content = json.loads(process.stdout)
 
-    assert said.returncode == 0
-    assert (found["cells"], found["done"], found["left"]) == (3 * CELLS, 3 * CELLS - 3, 3)
-    assert sum(found["left_by_solver"].values()) == 3
-    assert found["seconds_left"] > 0
-    assert {"failing", "stale", "damaged", "runs", "jobs"} <= found.keys()
-    assert found["runs"][0]["state"] == "finished"
-    assert not found["finished"]
+    assert process.returncode == 0
+    assert (content["cells"], content["done"], content["left"]) == (3 * CELLS, 3 * CELLS - 3, 3)
+    assert sum(content["left_by_solver"].values()) == 3
+    assert content["seconds_left"] > 0
+    assert {"failing", "stale", "damaged", "runs", "jobs"} <= content.keys()
+    assert content["runs"][0]["state"] == "finished"
+    assert not content["finished"]
 
 
 def test_a_noisy_run_says_so(folder):
     runs = manifest(folder)["runs"]
     runs[0]["probes"] = [[i, 1e-3 * (1 + 0.3 * (i % 2))] for i in range(40)]
     amend(folder, runs=runs)
-    said = finished("status", folder).stdout
+    text = finished("status", folder).stdout
 
-    assert re.search(rf"{runs[0]['run_id']} .* 26.1 %", said)
+    assert re.search(rf"{runs[0]['run_id']} .* 26.1 %", text)
 
 
 @pytest.mark.slow
 def test_subsets_and_repeats_keep_count(tmp_path):
-    """A run of one solver alone does not make the folder finished, nor forget the others."""
+    """Subsets and repeats keep count.
+
+    A run of one solver alone does not make the folder finished, nor forget the others.
+    """
     experiment = str(quick_experiment(tmp_path, 4, 'analytic", "slsqp'))
     folder = run(experiment, tmp_path / "out")
     rewrite(folder, lambda rows: [row for row in rows if row["solver"] == "analytic"])
@@ -165,9 +176,9 @@ def test_subsets_and_repeats_keep_count(tmp_path):
 
     assert manifest(folder)["created"] == created
     assert set(manifest(folder)["solvers"]) == {"analytic", "slsqp", "shooting"}
-    found = status(folder)
-    assert (found.cells, found.done, found.finished) == (12, 8, False)
-    assert found.left == {"slsqp": 4}
+    progress = status(folder)
+    assert (progress.cells, progress.done, progress.finished) == (12, 8, False)
+    assert progress.left == {"slsqp": 4}
     entries = len(manifest(folder)["runs"])
     run(experiment, folder, solvers=["shooting"])  # there is nothing to do
     assert len(manifest(folder)["runs"]) == entries

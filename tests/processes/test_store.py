@@ -1,8 +1,10 @@
-"""The results folder: what is wrong with one is said in one sentence that names the file."""
+"""Errors of a results folder, in one sentence.
+
+The sentence names the file.
+"""
 
 import json
 import shutil
-from pathlib import Path
 
 import pyarrow as pa
 import pyarrow.parquet as pq
@@ -18,11 +20,6 @@ from tests.live_run import CELLS, finished, output
 pytestmark = pytest.mark.smoke
 
 
-@pytest.fixture
-def folder(original, tmp_path):
-    return Path(shutil.copytree(original, tmp_path / "out"))
-
-
 @pytest.mark.parametrize(
     ("change", "message"),
     [
@@ -31,7 +28,10 @@ def folder(original, tmp_path):
     ],
 )
 def test_a_manifest_that_is_not_one(experiment, folder, change, message):
-    """Every reader says the same, naming manifest.json, and nothing is lost."""
+    """A manifest that is none is refused.
+
+    Every reader says the same, naming manifest.json, and nothing is lost.
+    """
     file = folder / "manifest.json"
     file.write_text(json.dumps(json.loads(file.read_text()) | change))
     before = done(folder)
@@ -78,7 +78,11 @@ def test_parts_that_were_deleted_are_solved_again(experiment, folder):
 
 
 def test_no_room_for_one_part_leaves_the_many(experiment, folder, monkeypatch):
-    """They hold the same rows: nothing is lost, so nothing is said."""
+    """A failed union of parts leaves the many.
+
+    There is no room for one part. The many hold the same rows: nothing is lost, so nothing is
+    said.
+    """
     run(experiment, folder, solvers=["slsqp"])
     (whole,) = (folder / "parts").iterdir()
     rows = pq.read_table(whole)

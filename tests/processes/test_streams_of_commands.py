@@ -1,4 +1,7 @@
-"""What goes to which stream: results, progress, colours, and how a command ends."""
+"""Results, progress and colours on their streams.
+
+How a command ends is tested too.
+"""
 
 import os
 import pty
@@ -20,7 +23,10 @@ from tests.live_run import (
 
 
 def in_a_terminal(*arguments, cwd, columns, **environment):
-    """All that a command writes to a terminal, both streams, and its exit code."""
+    """Output of a command in a terminal.
+
+    It has both streams, and the exit code comes with it.
+    """
     ours, its = pty.openpty()
     import fcntl
     import struct
@@ -33,7 +39,8 @@ def in_a_terminal(*arguments, cwd, columns, **environment):
         command(*arguments), stdin=its, stdout=its, stderr=its, cwd=cwd, env=env
     )
     os.close(its)
-    written, end = b"", time.monotonic() + 300
+    written = b""
+    end = time.monotonic() + 300
     while time.monotonic() < end:
         if select.select([ours], [], [], 1)[0]:
             try:
@@ -53,7 +60,10 @@ def mine(tmp_path):
 
 
 def test_a_pipe_gets_text_alone(mine):
-    """No control character on either stream, no progress of a short run, and no broken line."""
+    """A pipe gets text alone.
+
+    There is no control character on either stream, no progress of a short run, and no broken line.
+    """
     done = finished("run", "quick.toml", cwd=mine)
 
     assert (done.returncode, done.stderr) == (0, "")
@@ -78,7 +88,10 @@ def test_a_terminal_gets_lines_that_fit(mine, columns):
 
 
 def test_ctrl_c_ends_with_130(tmp_path):
-    """At once, with a line that says so, and without an answer or a drawing."""
+    """Ctrl-C ends with 130.
+
+    It ends at once, with a line that says so, and without an answer or a drawing.
+    """
     (tmp_path / "slow.py").write_text(TELLS_AND_NAPS)
     process = subprocess.Popen(
         command("solve", 1, 2, "--solver", f"{tmp_path}/slow.py:Slow", "--plot", "path.png"),
@@ -101,7 +114,10 @@ def test_ctrl_c_ends_with_130(tmp_path):
 
 
 def test_a_shell_completes_commands_and_options(tmp_path):
-    """As bash asks for them, with the words so far in the environment."""
+    """A shell completes commands and options.
+
+    bash asks for them, with the words so far in the environment.
+    """
     for words, expected in (("solve 1 2 --sol", {"--solver"}), ("experi", {"experiments"})):
         line = f"dubins-study {words}"
         asked = {

@@ -1,4 +1,7 @@
-"""Claims of the studies: an experiment is run in a smaller size and its numbers are judged."""
+"""Claims of the studies.
+
+An experiment is run in a smaller size and its numbers are judged.
+"""
 
 import re
 
@@ -21,14 +24,14 @@ from dubins_study.report.topics.ladder import rungs
 
 
 def asked(text, folder):
-    """What is loaded of an experiment of this text."""
+    """Loaded results of an experiment of this text."""
     file = folder / "asked.toml"
     file.write_text(text, encoding="utf-8")
     return load([run(str(file), folder / "out")])
 
 
 def smaller(name, folder, changes):
-    """What is loaded of a packaged study that was made smaller."""
+    """Loaded results of a smaller packaged study."""
     text = read(name).text
     for old, new in changes.items():
         assert old in text
@@ -38,15 +41,18 @@ def smaller(name, folder, changes):
 
 @pytest.mark.slow
 def test_where_a_local_solver_starts_decides_where_it_ends(tmp_path):
-    """The study's claim, on a grid of 7 by 7: no solver finds the shortest path from everywhere,
-    full turns are among the ends, and some of what is said is false: that no path exists, or that
-    a point is a minimum which Pontryagin's conditions refute."""
+    """Where a local solver starts decides its end.
+
+    That is the study's claim, on a grid of 7 by 7. No solver finds the shortest path from
+    everywhere, and full turns are among the ends. Some claims are false: that no path exists, or
+    that a point is a minimum which Pontryagin's conditions refute.
+    """
     table = ends(smaller("basins", tmp_path, {", 25]": ", 7]"}).rows)
-    found = table.groupby(["label", "solver"])
+    groups = table.groupby(["label", "solver"])
     free = table[~table["solver"].map(is_capped)]
 
-    assert found.size().tolist() == [49] * 10
-    assert found["end"].agg(lambda end: end.eq(OPTIMUM).mean()).between(0.2, 0.85).all()
+    assert groups.size().tolist() == [49] * 10
+    assert groups["end"].agg(lambda end: end.eq(OPTIMUM).mean()).between(0.2, 0.85).all()
     assert free["turns"].eq(1).groupby([free["label"], free["solver"]]).any().all()
     ipopt = table[table["solver"].str.startswith("ipopt") & (table["label"] == "problem 4")]
     assert ipopt["end"].eq(INFEASIBLE).groupby(ipopt["solver"]).sum().gt(4).all()
@@ -61,9 +67,12 @@ def test_where_a_local_solver_starts_decides_where_it_ends(tmp_path):
 
 
 def test_an_interior_point_stops_at_the_cube_root(tmp_path):
-    """The study's claim: z2 = (mu R^2)^(1/3) and the length mu / 3 too long, to first order in
-    z2 / R, at barriers told and at the one that Ipopt's defaults lead to; the split model leaves
-    none."""
+    """An interior point stops at the cube root.
+
+    That is the study's claim: z2 = (mu R^2)^(1/3) and the length mu / 3 too long, to first order
+    in z2 / R. It holds at barriers told and at the one that Ipopt's defaults lead to; the split
+    model leaves none.
+    """
     changes = {
         "{1e-11,1e-10,1e-9,1e-8,1e-7,1e-6,1e-5,1e-4}": "{1e-10,1e-7,1e-5}",
         "[0.1, 0.3, 1, 3, 10, 30, 100]": "[0.1, 1, 30]",
@@ -88,7 +97,9 @@ def test_an_interior_point_stops_at_the_cube_root(tmp_path):
 
 @pytest.mark.slow
 def test_orders_are_those_of_the_theory(tmp_path):
-    """Held turn rates: 3 outside the discs, 2 inside; Radau's miss: 2p - 1.
+    """Orders are those of the theory.
+
+    Held turn rates: 3 outside the discs, 2 inside; Radau's miss: 2p - 1.
 
     Half an order is allowed: where the switches fall between two steps moves medians of eight.
     """
@@ -126,8 +137,11 @@ margin = [1e-3, 1e-11, -1e-3, -1e-11]
 
 @pytest.mark.slow
 def test_a_miss_buys_a_turn_only_inside_the_front_half(tmp_path):
-    """The study's claim on eight targets: 1e-11 R inside the front half every solver with a
-    tolerance on equations takes the short path, everywhere else all are right, and none lies."""
+    """Only inside the front half a miss pays.
+
+    That is the study's claim on eight targets. 1e-11 R inside the front half every solver with a
+    tolerance on equations takes the short path. Everywhere else all are right, and none lies.
+    """
     attempts = rungs(asked(LADDER, tmp_path).rows)
     short = attempts[attempts["finding"] == "by its miss"]
 
@@ -139,7 +153,10 @@ def test_a_miss_buys_a_turn_only_inside_the_front_half(tmp_path):
 
 @pytest.mark.slow
 def test_a_copied_study_keeps_its_section(tmp_path):
-    """The TOML file's `section` reaches the page through the manifest, whatever the file's name."""
+    """A copied study keeps its section.
+
+    The TOML file's `section` reaches the page through the manifest, whatever the file's name.
+    """
     text = read("basins").text.replace(", 25]", ", 2]")
     solvers = '["slsqp[model=joint,order=LRS,initial_guess=given,maxiter=200]"]'
     asked(re.sub(r"(?ms)^solvers = \[.*?^\]", f"solvers = {solvers}", text), tmp_path)

@@ -1,4 +1,7 @@
-"""What is installed, and used beside a user's modules of the names `study`, `solvers`, ..."""
+"""The installed package beside a user's own modules.
+
+They have the names `study`, `solvers`, ...
+"""
 
 import os
 import subprocess
@@ -48,7 +51,10 @@ NAMES = ("study.py", "report.py", "solvers/__init__.py", "experiments/__init__.p
 
 
 def called(*arguments: object, cwd: Path = ROOT) -> str:
-    """Standard output of a command that must succeed, without the caller's PYTHONPATH."""
+    """Standard output of a command that must succeed.
+
+    It runs without the caller's PYTHONPATH.
+    """
     environment = os.environ | {"PYTHONPATH": ""}
     line = [*map(str, arguments)]
     done = subprocess.run(line, capture_output=True, text=True, cwd=cwd, env=environment)
@@ -62,7 +68,10 @@ def at_the_top(names: list[str]) -> set[str]:
 
 @pytest.fixture(scope="module")
 def built(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A folder with the wheel and the source distribution of this checkout."""
+    """A folder with both distributions of this checkout.
+
+    They are the wheel and the source distribution.
+    """
     folder = tmp_path_factory.mktemp("built")
     called(sys.executable, "-m", "hatchling", "build", "-d", folder)
     return folder
@@ -75,7 +84,10 @@ def wheel_in(folder: Path) -> Path:
 
 @pytest.fixture(scope="module")
 def user(built: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A user's folder: an environment with the wheel, and modules of the names of our rooms."""
+    """A user's folder.
+
+    It has an environment with the wheel, and modules of the names of our rooms.
+    """
     folder = tmp_path_factory.mktemp("user")
     venv.create(folder / "env", with_pip=True)
     site = next((folder / "env").glob("lib/python*/site-packages"))
@@ -97,8 +109,11 @@ def user(built: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.mark.slow
 def test_nothing_else_is_packaged(built, tmp_path):
-    """Neither by the wheel, nor by what an editable installation adds, nor by a wheel of the
-    source distribution, in which the links at the top are missing."""
+    """Nothing else is packaged.
+
+    That holds for the wheel, for what an editable installation adds, and for a wheel of the source
+    distribution, in which the links at the top are missing.
+    """
     names = zipfile.ZipFile(wheel_in(built)).namelist()
     called(sys.executable, "-c", EDITABLE.format(folder=str(tmp_path)))
     with zipfile.ZipFile(wheel_in(tmp_path)) as editable:
@@ -123,21 +138,28 @@ def test_nothing_else_is_packaged(built, tmp_path):
 
 @pytest.mark.slow
 def test_the_public_names_in_a_script_beside_them(user):
-    """A script's own folder is first on its path: every public name, workers and page."""
+    """The public names work in a script beside them.
+
+    A script's own folder is first on its path: every public name, workers and page are used.
+    """
     called(user / "env" / "bin" / "python", "script.py", cwd=user)
 
 
 @pytest.mark.slow
 def test_the_command_beside_them(user):
-    """Run with worker processes and a plug-in, report, status; `-m` puts the folder on the path,
-    which no worker inherits."""
-    program, out = user / "env" / "bin" / "dubins-study", user / "by-command"
+    """The command works beside them.
+
+    It runs with worker processes and a plug-in, report and status; `-m` puts the folder on the
+    path, which no worker inherits.
+    """
+    program = user / "env" / "bin" / "dubins-study"
+    out = user / "by-command"
     module = (user / "env" / "bin" / "python", "-m", "dubins_study")
-    told = called(program, "solve", 10, 5, "--json", cwd=user)
+    text = called(program, "solve", 10, 5, "--json", cwd=user)
     called(*module, "run", "beside.toml", "--out", out, "--trust-plugins", cwd=user)
     called(program, "report", out, cwd=user)
 
-    assert '"word"' in told
+    assert '"word"' in text
     assert (out / "report" / "index.html").is_file()
     assert "6" in called(*module, "status", out, cwd=user)
     verdicts = pq.read_table(out / "parts")["verdict"].to_pylist()

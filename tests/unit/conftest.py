@@ -1,4 +1,7 @@
-"""Unit tests start no process: they ask our own solvers in their own, but for OR-tools'."""
+"""Unit tests start no process.
+
+They ask our own solvers in their own process, but for OR-tools'.
+"""
 
 import pytest
 
@@ -9,7 +12,9 @@ from dubins_study.solvers.protocol import Solver
 
 @pytest.fixture(autouse=True, scope="package")
 def _asked_here():
-    """A worker would load a solver's libraries anew for each question: a second for cvxpy.
+    """Ask solvers here, without a worker.
+
+    A worker would load a solver's libraries anew for each question: a second for cvxpy.
 
     `tests/processes` has the tests of workers and of limits.
     """

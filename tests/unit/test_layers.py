@@ -1,4 +1,6 @@
-"""Rooms and the directions of their imports; `python -m tests.unit.test_layers` prints them.
+"""Rooms and the directions of their imports.
+
+`python -m tests.unit.test_layers` prints them.
 
 A room is a folder of the package, or one module where the table names it. Files that lie directly
 in a folder with subfolders are a room of their own, below those subfolders: `study/path.py` is in
@@ -26,7 +28,10 @@ _LISTS = {"report/topics"}  # folders of modules of one shape, which are read on
 
 
 class Size(NamedTuple):
-    """Syntax nodes of the modules of a folder, and their lines as `wc -l` counts them."""
+    """Syntax nodes and lines of a folder's modules.
+
+    Lines are counted as `wc -l` does.
+    """
 
     nodes: int
     lines: int
@@ -157,7 +162,10 @@ _TOPIC = (*MAY_IMPORT["report.topics"], "report.topics.*")
 
 
 class Module(NamedTuple):
-    """A file of the package: its dotted name without the package's, and what it imports of it."""
+    """A file of the package.
+
+    It has its dotted name without the package's, its room, and what it imports of the package.
+    """
 
     name: str
     file: Path
@@ -171,13 +179,16 @@ def _name(file: Path) -> str:
 
 
 def room_of(file: Path) -> str:
-    """The room that a file lies in: the module itself where the table names it, else its folder."""
+    """The room that a file lies in.
+
+    It is the module itself where the table names it, else its folder.
+    """
     name = _name(file)
     return name if name in MAY_IMPORT else ".".join(file.relative_to(PACKAGE).parent.parts)
 
 
 def _imports(source: str, names: set[str], file: str = "") -> frozenset[str]:
-    """Names of the package's modules that a source imports anywhere."""
+    """Package modules that a source imports anywhere."""
     imported = set()
     for node in ast.walk(ast.parse(source)):
         if isinstance(node, ast.Import):
@@ -203,20 +214,23 @@ def modules() -> dict[str, Module]:
     """All modules of the package by name."""
     files = sorted(PACKAGE.rglob("*.py"))
     names = {_name(file) for file in files}
-    found = {}
+    by_name = {}
     for file in files:
         imports = _imports(file.read_text(encoding="utf-8"), names, str(file))
-        found[_name(file)] = Module(_name(file), file, room_of(file), imports - {_name(file)})
-    return found
+        by_name[_name(file)] = Module(_name(file), file, room_of(file), imports - {_name(file)})
+    return by_name
 
 
 @cache
 def rooms() -> dict[str, list[Module]]:
-    """The modules of each room, in the table's order; rooms that the table does not know last."""
-    held: dict[str, list[Module]] = {room: [] for room in MAY_IMPORT}
+    """The modules of each room.
+
+    They come in the table's order; rooms that the table does not know are last.
+    """
+    by_room: dict[str, list[Module]] = {room: [] for room in MAY_IMPORT}
     for module in modules().values():
-        held.setdefault(module.room, []).append(module)
-    return {room: members for room, members in held.items() if members}
+        by_room.setdefault(module.room, []).append(module)
+    return {room: members for room, members in by_room.items() if members}
 
 
 def room_imports(room: str) -> set[str]:
@@ -226,7 +240,7 @@ def room_imports(room: str) -> set[str]:
 
 
 def allowed(room: str) -> tuple[str, ...]:
-    """Rooms, or patterns of rooms, that a room may import."""
+    """Rooms, or patterns, that a room may import."""
     if room.startswith("report.topics"):
         return _TOPIC
     return MAY_IMPORT[room]
@@ -239,7 +253,7 @@ def _covers(pattern: str, room: str) -> bool:
 
 
 def promise(room: str) -> str:
-    """What the first paragraph of a room's docstring says."""
+    """First paragraph of a room's docstring."""
     file = PACKAGE.joinpath(*room.split(".")) if room else PACKAGE
     file = file / "__init__.py" if file.is_dir() else file.with_suffix(".py")
     text = ast.get_docstring(ast.parse(file.read_text(encoding="utf-8"))) or ""
@@ -247,7 +261,10 @@ def promise(room: str) -> str:
 
 
 def circle(graph: dict[str, set[str]]) -> list[str]:
-    """The names along one circle of a graph; none where there is none."""
+    """Names along one circle of a graph.
+
+    None where there is none.
+    """
     try:
         TopologicalSorter(graph).prepare()
     except CycleError as error:
@@ -256,7 +273,7 @@ def circle(graph: dict[str, set[str]]) -> list[str]:
 
 
 def sizes() -> dict[str, Size]:
-    """What the rooms of `BUDGETS` hold."""
+    """Sizes of the rooms of `BUDGETS`."""
     folders = {room: PACKAGE / room for room in BUDGETS} | {"package": PACKAGE, "tests": TESTS}
     return {room: size_of(folder.rglob("*.py")) for room, folder in folders.items()}
 
@@ -281,7 +298,10 @@ def test_a_room_keeps_within_its_budget(room):
 
 
 def test_nodes_count_what_is_said_and_not_how_it_is_laid_out(tmp_path):
-    """Unfolding a line and explaining it cost nothing; a second assignment does."""
+    """Nodes count statements, not their layout.
+
+    Unfolding a line and explaining it cost nothing; a second assignment does.
+    """
     texts = ["a, b = f(1, 2)\n", "# Why.\na, b = f(\n    1,\n    2,\n)\n", "a = f(1)\nb = f(2)\n"]
     files = [tmp_path / f"{number}.py" for number in range(3)]
     for file, text in zip(files, texts, strict=True):
@@ -311,7 +331,9 @@ ANSWERS = ("study.closed_form", "study.check")
 
 
 def imports() -> dict[str, set[str]]:
-    """Module -> what importing it imports: what it names, and the packages that those lie in.
+    """Modules that the import of each module imports.
+
+    They are those that it names, and the packages that those lie in.
 
     The package itself is left out of these: its names are imported when they are first used.
     """
@@ -322,7 +344,10 @@ def imports() -> dict[str, set[str]]:
 
 
 def _packages(name: str) -> Iterator[str]:
-    """A module and the packages that it lies in, the whole package left out."""
+    """A module and the packages around it.
+
+    The whole package is left out.
+    """
     parts = name.split(".")
     return (".".join(parts[:n]) for n in range(1, len(parts) + 1))
 
@@ -330,7 +355,10 @@ def _packages(name: str) -> Iterator[str]:
 def way_to_the_answers(
     graph: dict[str, set[str]], start: str, rooms: tuple[str, ...] = ANSWERS
 ) -> list[str]:
-    """The modules on the shortest way of imports to a module of the rooms; none without a way."""
+    """Shortest way of imports to the rooms.
+
+    It has the modules on the way to a module of the rooms; none without a way.
+    """
     before: dict[str, str | None] = {start: None}
     waiting = deque([start])
     while waiting:
@@ -365,7 +393,10 @@ SEARCHES = (
 
 
 def solver_modules() -> list[str]:
-    """The modules of the package's registered solvers that know neither answers nor legs."""
+    """Modules of solvers without answers and legs.
+
+    They belong to the package's registered solvers.
+    """
     points = [p for p in entry_points(group="dubins_study.solvers") if _within(p.module)]
     ours = {_within(p.module) for p in points if p.module.split(".")[0] == PACKAGE.name}
     return sorted(ours - {"solvers.analytic", *OF_LEGS, *OF_BOUNDS})
@@ -373,7 +404,10 @@ def solver_modules() -> list[str]:
 
 @pytest.mark.parametrize("name", solver_modules())
 def test_no_solver_but_the_closed_form_imports_the_answer_or_the_check(name):
-    """Neither directly nor by way of other modules of the package."""
+    """Only the closed form imports answer or check.
+
+    Other solvers do so neither directly nor by way of other modules of the package.
+    """
     assert way_to_the_answers(imports(), name) == []
 
 
@@ -397,7 +431,10 @@ def test_solvers_of_bounds_import_no_search_and_no_check(name):
     ],
 )
 def test_an_import_of_the_answer_is_found_wherever_it_is_planted(place, source):
-    """In a solver's own room or in what it shares with others, inside functions too."""
+    """A planted import of the answer is found.
+
+    It is planted in a solver's own room or in what it shares with others, inside functions too.
+    """
     graph = imports()
     for name in _imports(source, set(modules())):
         graph[place] |= set(_packages(name))
@@ -415,7 +452,11 @@ def test_no_circles_of_modules():
 
 
 def test_no_circles_of_rooms():
-    """In the imports, and in the table itself: it lets no room import one that may import it."""
+    """No circles of rooms exist.
+
+    None is in the imports, and none in the table itself: it lets no room import one that may
+    import it.
+    """
     graph: dict[str, set[str]] = {room: set() for room in rooms()}
     for module in modules().values():
         for name in module.imports:
@@ -441,7 +482,10 @@ def test_every_room_has_a_line_in_the_table_and_a_promise():
 
 
 def test_the_lists_name_rooms_and_modules_that_are_there():
-    """What has gone would be guarded, or let in, in vain."""
+    """The lists name existing rooms and modules.
+
+    Names that are gone would be guarded, or let in, in vain.
+    """
     patterns = {pattern for patterns in MAY_IMPORT.values() for pattern in patterns}
     named = {*MAY_IMPORT, *ANSWERS, *OF_LEGS, *OF_BOUNDS, *SEARCHES, *_LEAVES}
     named |= {pattern.removesuffix(".*") for pattern in patterns}
@@ -465,7 +509,10 @@ def test_no_folder_has_too_many_modules():
 
 
 def test_the_folders_at_the_top_are_links_for_readers():
-    """Where a checkout has them: nothing is packaged or imported through them."""
+    """The folders at the top are links for readers.
+
+    Where a checkout has them, nothing is packaged or imported through them.
+    """
     root = PACKAGE.parents[1]
     for name in ("study", "solvers", "experiments", "report"):
         link = root / name
@@ -473,7 +520,10 @@ def test_the_folders_at_the_top_are_links_for_readers():
 
 
 def table() -> str:
-    """Each room with its promise, its size and the rooms that it imports; the budgets."""
+    """Each room with promise, size and imports.
+
+    The budgets follow.
+    """
     lines = []
     for room, members in rooms().items():
         size = size_of(module.file for module in members)

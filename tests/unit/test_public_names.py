@@ -1,4 +1,7 @@
-"""The public names of the package: which they are, and what they do together."""
+"""The public names of the package.
+
+Tested is which they are, and what they do together.
+"""
 
 import importlib
 import inspect
@@ -49,7 +52,10 @@ def test_the_names():
 
 
 def test_every_refusal_has_one_base_class():
-    """A public error class of the package that is no `DubinsStudyError` is an internal one."""
+    """Every refusal has one base class.
+
+    A public error class of the package that is no `DubinsStudyError` is an internal one.
+    """
     internal = {"EngineError", "NotSolvedError"}
     internal |= {"SearchEndError", "SpentError"}  # they end a search
     errors = set()
@@ -91,7 +97,10 @@ def test_an_answer_prints_in_ten_lines():
 
 
 def test_an_answer_prints_first_what_a_planner_reads():
-    """Length and time, then verdict and proof; the solver is last."""
+    """An answer prints a planner's numbers first.
+
+    Length and time come first, then verdict and proof; the solver is last.
+    """
     lines = repr(solve(Scenario(target_x=9, target_y=4, speed=2))).splitlines()
 
     assert [line.split()[0] for line in lines[1:3]] == ["length", "verdict"]
@@ -100,7 +109,10 @@ def test_an_answer_prints_first_what_a_planner_reads():
 
 
 def test_an_answer_lists_what_a_planner_needs():
-    """Every listed name is there; the certificate has its fields, which stay the answer's too."""
+    """An answer lists what a planner needs.
+
+    Every listed name is there; the certificate has its fields, which stay the answer's too.
+    """
     answer = solve(Scenario(target_x=9, target_y=4))
     certificate = answer.certificate
 
@@ -114,7 +126,10 @@ def test_an_answer_lists_what_a_planner_needs():
 
 
 def test_an_answer_of_many_legs_prints_its_length():
-    """And its time, then as much of the word as fits; so does the caption of its drawing."""
+    """An answer of many legs prints its length.
+
+    It prints its time too, then as much of the word as fits; so does the caption of its drawing.
+    """
     via = [(5 * i, i % 2) for i in range(1, 30)]
     answer = solve(Scenario(target_x=150, target_y=0, via=via, speed=3))
     numbers = f"length {answer.length}, travel time {answer.travel_time}, word "
@@ -129,9 +144,13 @@ def test_an_answer_of_many_legs_prints_its_length():
 
 
 def test_a_notebook_shows_an_answer():
-    """The drawing of its path, below it what the check says; nothing where there is no path."""
+    """A notebook shows an answer.
+
+    It shows the drawing of its path, below it what the check says; nothing where there is no path.
+    """
     answer = solve(Scenario(heading="120deg", target_x=10, target_y=5))
-    drawing, caption = fromstring(answer._repr_svg_()), "optimal, length 11.8681, proof proved, RS"
+    drawing = fromstring(answer._repr_svg_())
+    caption = "optimal, length 11.8681, proof proved, RS"
 
     assert (drawing[0].text, drawing[3].text) == (caption, caption)
     assert drawing[1].get("d") == fromstring(answer.path._repr_svg_())[1].get("d")
@@ -148,7 +167,10 @@ def test_plot_path(tmp_path):
 
 
 def test_plot_path_on_axes_of_ones_own(tmp_path):
-    """The other axes, the figure's size and its layout stay as they are."""
+    """`plot_path` draws on axes of one's own.
+
+    The other axes, the figure's size and its layout stay as they are.
+    """
     figure = Figure((7, 3))
     left, right = figure.subplots(1, 2)
     answers = (
@@ -175,7 +197,10 @@ def test_a_path_that_is_not_finite_is_not_drawn(curvature, length):
 
 
 def test_a_long_path_is_drawn_by_its_arcs():
-    """No corner of the line turns by more than 3 degrees, of 60 turns on 2000 length units."""
+    """A long path is drawn by its arcs.
+
+    No corner of the line turns by more than 3 degrees, of 60 turns on 2000 length units.
+    """
     path = Path((0, 0, 0), [1.0, 0.0, -1.0, 0.0] * 30, [1.0, 30.0, 2.0, 30.0] * 30)
     line = max(plot_path(path).axes[0].lines, key=lambda line: len(line.get_xydata()))
     chords = np.diff(line.get_xydata(), axis=0)

@@ -1,4 +1,4 @@
-"""benchopt's side: how far a path ends from its target."""
+"""benchopt's side: distance from path end to target."""
 
 from benchopt import BaseObjective
 

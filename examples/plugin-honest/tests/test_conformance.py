@@ -1,4 +1,7 @@
-"""The whole test suite that a plug-in needs: every check of the kit, a test each."""
+"""The whole test suite that a plug-in needs.
+
+It has every check of the kit, a test each.
+"""
 
 import pytest
 from honest_dubins import TwoArcs
@@ -17,5 +20,8 @@ def test_conformance(report, check):
 
 
 def test_it_is_the_shortest_everywhere(report):
-    """More than the kit asks: it finds the shortest path of every question that has one."""
+    """It finds every shortest path.
+
+    That is more than the kit asks: the path of every question that has one.
+    """
     assert report.with_status("note") == (), report

@@ -1,4 +1,7 @@
-"""Commands are tested without a terminal, unless a test sets one up."""
+"""Commands without a terminal.
+
+A test that needs one sets it up.
+"""
 
 import pytest
 from typer.testing import CliRunner
@@ -8,12 +11,15 @@ from dubins_study.cli.app import app
 
 @pytest.fixture(autouse=True)
 def no_terminal(monkeypatch):
-    """Values and rows of tables are one line, wherever the tests run."""
+    """Values and table rows are one line everywhere."""
     monkeypatch.delenv("COLUMNS", raising=False)
 
 
 def asked(*words, raises=True):
-    """What `dubins-study` with these words did; an error of its own is raised, or ended it."""
+    """Result of `dubins-study` with these words.
+
+    An error that is no exit is raised, or ends the command if not `raises`.
+    """
     return CliRunner().invoke(app, words, catch_exceptions=not raises)
 
 

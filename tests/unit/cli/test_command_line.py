@@ -1,4 +1,7 @@
-"""What holds for every command; lists, new experiments and the audit."""
+"""Rules for every command.
+
+Lists, new experiments and the audit are tested too.
+"""
 
 import json
 import re
@@ -18,7 +21,10 @@ PATH = ("solve", "10", "5")
 @pytest.mark.parametrize("place", ["before", "after"])
 @pytest.mark.parametrize("flag", ["-q", "--quiet", "-v", "--verbose"])
 def test_quiet_and_verbose_are_options_of_every_command(flag, place):
-    """Before the command's name or after it; the answer is the same."""
+    """Every command has the options quiet and verbose.
+
+    They stand before the command's name or after it; the answer is the same.
+    """
     words = (flag, *PATH) if place == "before" else (*PATH, flag)
     done = asked(*words)
     level = verbosity()
@@ -39,7 +45,10 @@ def test_one_solver_and_its_settings():
 
 @pytest.mark.slow
 def test_experiments():
-    """What `run` knows by name, what each asks, and how to use one's own."""
+    """Experiments that `run` knows by name.
+
+    The list has what each asks, and how to use one's own.
+    """
     listed = {each["name"]: each for each in json.loads(asked("experiments", "--json").stdout)}
 
     assert set(listed) == set(packaged())
@@ -63,7 +72,10 @@ def test_the_cells_of_an_experiment_are_those_of_a_run(name):
 
 
 def test_a_new_experiment_is_one_that_runs(tmp_path, monkeypatch):
-    """Its commented keys are keys, its scenarios are what the comments say."""
+    """A new experiment is one that runs.
+
+    Its commented keys are keys, its scenarios are what the comments say.
+    """
     monkeypatch.chdir(tmp_path)
     done = asked("new", "experiment", "my-first.toml")
 
@@ -86,7 +98,10 @@ def test_a_new_experiment_is_one_that_runs(tmp_path, monkeypatch):
 
 
 def test_the_audit_is_the_committed_file():
-    """Byte for byte, so that the command can write it."""
+    """The audit is the committed file.
+
+    It is equal byte for byte, so that the command can write it.
+    """
     done = asked("audit", "--json")
     folder = printed.files("dubins_study.report.paper")
 
@@ -98,7 +113,10 @@ def test_the_audit_is_the_committed_file():
 
 
 def test_a_contradiction_is_exit_code_1(monkeypatch):
-    """The cell is shown on stderr; what was computed is printed all the same."""
+    """A contradiction is exit code 1.
+
+    The cell is shown on stderr; what was computed is printed all the same.
+    """
     computed = asked("audit", "--json").stdout
     changed = json.loads(computed)
     changed["cells"][12].update(exact="0.79")
@@ -115,7 +133,10 @@ def test_a_contradiction_is_exit_code_1(monkeypatch):
 
 @pytest.mark.slow
 def test_published_routes(monkeypatch):
-    """The published length that is not the shortest is named; another verdict is exit code 1."""
+    """Published routes are judged.
+
+    The published length that is not the shortest is named; another verdict is exit code 1.
+    """
     done = asked("audit", "kaya")
     records = json.loads(asked("audit", "kaya", "--json").stdout)
 

@@ -1,4 +1,7 @@
-"""`export SUITE` and `judge`: from a suite to the verdicts on a file of answers."""
+"""`export SUITE` and `judge`, from suite to verdicts.
+
+The verdicts are on a file of answers.
+"""
 
 import pytest
 
@@ -26,7 +29,10 @@ def exported(tmp_path, monkeypatch):
 
 
 def test_the_best_known_paths_are_answers(exported):
-    """The other columns of the table are passed over; nothing is wrong, so that the end is 0."""
+    """The best-known paths are answers.
+
+    The other columns of the table are passed over; nothing is wrong, so that the end is 0.
+    """
     done = asked("judge", "set/instances.csv", "--suite", "two.toml", "--out", "judged")
 
     assert done.exit_code == 0

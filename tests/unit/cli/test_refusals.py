@@ -1,4 +1,7 @@
-"""Requests that cannot be read: one line on stderr that names the mistake, and exit code 2."""
+"""Requests that cannot be read are refused.
+
+One line on stderr names the mistake, and the exit code is 2.
+"""
 
 import sys
 
@@ -121,7 +124,10 @@ def test_the_old_word_for_the_executor_is_taken_with_a_hint(monkeypatch, capsys)
 
 
 def commands():
-    """`(words before it, command)` of every command, those of `new` too."""
+    """Every command and the words before it.
+
+    Those of `new` are there too.
+    """
     groups = [("", typer.main.get_command(app.app))]
     for words, group in groups:
         for name, command in group.commands.items():
@@ -141,7 +147,11 @@ def commands():
     ],
 )
 def test_a_slip_in_an_option_names_it_and_what_it_takes(words, option, monkeypatch, capsys):
-    """Two letters swapped, and without a value: of every option of every command."""
+    """A slip in an option names it.
+
+    The message also says what the option takes. Two letters are swapped, or the value is missing:
+    of every option of every command.
+    """
     name = option.opts[0]
     swapped = f"--{name[3]}{name[2]}{name[4:]}"
     slips = {swapped: f"No such option: {swapped} (Possible options: "}
@@ -178,7 +188,10 @@ def test_help_is_given_though_values_are_wrong_or_missing(words, monkeypatch, ca
     [("-qv",), ("-v", "-v"), ("--", "-2", "-5"), ("--from", "-1", "-1", "-2pi/3"), ("--radius=2",)],
 )
 def test_what_is_no_mistake(words, monkeypatch, capsys):
-    """Two options of one letter, a flag twice, targets behind `--`, and a start below zero."""
+    """Unusual but right requests are no mistakes.
+
+    They are two options of one letter, a flag twice, targets behind `--`, and a start below zero.
+    """
     target = () if "--" in words else ("1", "2")
     monkeypatch.setattr(sys, "argv", ["dubins-study", "solve", *target, *words])
     with pytest.raises(SystemExit, match="0"):

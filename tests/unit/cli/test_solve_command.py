@@ -1,4 +1,7 @@
-"""`dubins-study solve`: exit codes, and the results that are printed beside a refused drawing."""
+"""`dubins-study solve`: exit codes and printed results.
+
+Results are printed beside a refused drawing too.
+"""
 
 import json
 import math
@@ -15,7 +18,11 @@ PATH, NO_PATH = ("solve", "10", "5"), ("solve", "0", "1", "--branch", "LS")
 
 
 def test_the_json_object_of_a_route():
-    """Via points with negative coordinates, in their order; refused after it is printed."""
+    """The JSON object of a route.
+
+    Via points have negative coordinates, in their order; the drawing is refused after it is
+    printed.
+    """
     route = ("--via", "-4", "1", "--via=6", "-2", "--final-heading", "-pi/2")
     done = asked("solve", "-10", "5", *route, "--solver", "slsqp", "--json", raises=False)
     answer = json.loads(done.stdout)
@@ -30,7 +37,10 @@ def test_the_json_object_of_a_route():
 
 @pytest.mark.parametrize("options", [("--plot",), ("--json", "--plot"), ("--geojson",)])
 def test_a_drawing_of_no_path(options, tmp_path):
-    """The answer is printed all the same; one line says that nothing is drawn; exit code 1."""
+    """A missing path cannot be drawn.
+
+    The answer is printed all the same; one line says that nothing is drawn; the exit code is 1.
+    """
     file = tmp_path / ("path.json" if "--geojson" in options else "path.svg")
     done = asked(*NO_PATH, *options, str(file))
 
@@ -51,7 +61,10 @@ def test_strict():
 
 
 def test_the_text_names_what_it_shows():
-    """Travel time is no time of the solver's, and every name has a column of its own."""
+    """The text names its numbers.
+
+    Travel time is no time of the solver's, and every name has a column of its own.
+    """
     lines = asked(*PATH, "--speed", "2").stdout.splitlines()
 
     assert "travel time 5.59864663148" in [line[:25] for line in lines]
@@ -70,7 +83,10 @@ MISSES = {
 
 @pytest.fixture
 def plugin(tmp_path):
-    """`plugin(body)`: the spec of a solver whose `solve` has this body."""
+    """`plugin(body)`: spec of a solver with this `solve`.
+
+    `body` is the body of `solve`.
+    """
 
     def written(body):
         file = tmp_path / "plugin.py"
@@ -97,7 +113,10 @@ def test_a_path_that_misses_says_why(path, plugin):
 
 
 def test_a_solver_that_raises_has_no_solve_time(plugin):
-    """What passed until it raised has a name of its own."""
+    """A solver that raises has no solve time.
+
+    The time until it raised has a name of its own.
+    """
     text = asked(*PATH, "--solver", plugin("raise ValueError('later')")).stdout
 
     assert "solve time" not in text
@@ -115,7 +134,10 @@ def test_only_answers_and_paths_are_drawn(drawn):
 
 
 def test_the_text_has_segments_and_the_solve_time():
-    """Turn, length and angle of each piece; the lengths of many pieces are in the JSON object."""
+    """The text has segments and the solve time.
+
+    It has turn, length and angle of each piece; the lengths of many pieces are in the JSON object.
+    """
     text = asked(*PATH).stdout
     answer = json.loads(asked(*PATH, "--json").stdout)
     first, second = answer["segments"]
@@ -134,7 +156,10 @@ def labels(figure):
 
 
 def test_the_shortest_path_is_drawn_beside_a_longer_one():
-    """The grid of four headings does not hold the shortest path."""
+    """The shortest path is drawn beside a longer one.
+
+    The grid of four headings does not hold the shortest path.
+    """
     scenario = Scenario(target_x=10, target_y=5)
     longer = solve(scenario, solver="heading-milp[headings=4]")
     assert longer.verdict == "longer"
@@ -148,7 +173,10 @@ def test_the_shortest_path_is_drawn_beside_a_longer_one():
 
 @pytest.mark.parametrize("form", [(), ("--json",)])
 def test_the_answer_is_printed_if_its_drawing_fails(form, tmp_path):
-    """There is no room for the file: the answer, then the refusal."""
+    """The answer is printed if its drawing fails.
+
+    There is no room for the file: the answer comes, then the refusal.
+    """
     (tmp_path / "path.svg").symlink_to("/dev/full")
     request = ("solve", "10", "5", *form, "--plot", str(tmp_path / "path.svg"))
     done = asked(*request, raises=False)

@@ -1,4 +1,4 @@
-"""`dubins-study solve FILE`: from a mission file to a flight."""
+"""`dubins-study solve FILE`, from mission to flight."""
 
 import csv
 import itertools
@@ -68,7 +68,11 @@ def _length(places):
 
 
 def test_a_plan_becomes_a_proved_closed_tour_in_every_format(tmp_path):
-    """The flight is as long on Earth as the answer says, and passes each point of the plan."""
+    """A plan becomes a closed tour in every format.
+
+    The tour is proved. The flight is as long on Earth as the answer says, and passes each point of
+    the plan.
+    """
     files = {ending: tmp_path / f"flight.{ending}" for ending in FORMATS}
     options = [word for file in files.values() for word in ("--out", str(file))]
     answer = json.loads(asked(*TOUR, "--json", "--step", "5", *options).stdout)
@@ -87,7 +91,10 @@ def test_a_plan_becomes_a_proved_closed_tour_in_every_format(tmp_path):
 
 
 def test_the_table_of_stops_tells_when_and_where_to(tmp_path):
-    """Times are lengths by speed; a heading of 0 rad is 90 degrees of a compass."""
+    """The table of stops tells times and headings.
+
+    Times are lengths by speed; a heading of 0 rad is 90 degrees of a compass.
+    """
     file = tmp_path / "points.csv"
     file.write_text("x,y,name\n0,0,base\n100,0,east\n200,0,far\n")
     answer = json.loads(
@@ -104,7 +111,10 @@ def test_the_table_of_stops_tells_when_and_where_to(tmp_path):
 
 
 def test_bank_and_speed_give_the_radius(tmp_path):
-    """v squared over g tan bank; a smaller radius is warned of."""
+    """Bank and speed give the radius.
+
+    It is v squared over g tan bank; a smaller radius is warned of.
+    """
     radius = 20.0**2 / (9.80665 * math.tan(math.radians(30)))
     words = ("solve", MEADOW, "--speed", "20", "--bank", "30deg")
     answer = json.loads(asked(*words, "--json").stdout)
@@ -144,7 +154,10 @@ def test_a_bad_request_is_one_message(words):
 
 
 def test_a_file_that_is_not_there_is_named():
-    """A word that is neither a number nor a file."""
+    """A missing file is named.
+
+    The word is neither a number nor a file.
+    """
     done = asked("solve", "no-such-file.plan", "--radius", "9", raises=False)
 
     assert done.exit_code != 0
@@ -160,7 +173,10 @@ def test_a_compass_heading_runs_clockwise_from_north(tmp_path):
 
 
 def test_a_start_on_earth_is_longitude_and_latitude(tmp_path):
-    """The geodesic to the only point, where the vehicle heads for it."""
+    """A start on Earth is longitude and latitude.
+
+    The path is the geodesic to the only point, where the vehicle heads for it.
+    """
     file = tmp_path / "points.csv"
     file.write_text("lon,lat\n10.3,52.0\n")
     answer = json.loads(

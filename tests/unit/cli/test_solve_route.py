@@ -1,4 +1,7 @@
-"""`dubins-study solve` of routes: the text, points from a file, the drawing, GeoJSON."""
+"""`dubins-study solve` of routes.
+
+Tested are the text, points from a file, the drawing, and GeoJSON.
+"""
 
 import json
 import math
@@ -25,14 +28,20 @@ ROUTE = (*START, "10", "5", "--via", "4", "1", "--via", "6", "-2")
 
 @pytest.fixture
 def points(tmp_path):
-    """A file whose last point is the target, with a column and a line that are passed over."""
+    """A file whose last point is the target.
+
+    It has a column and a line that are passed over.
+    """
     file = tmp_path / "points.csv"
     file.write_text("more,y, x\nfirst,1,4\n\nsecond,-2,6\nlast,5,10\n")
     return file
 
 
 def test_the_text_of_a_route():
-    """Words of legs, the length and, to the last digit, the interval that is proven."""
+    """The text of a route.
+
+    It has the words of legs, the length and, to the last digit, the interval that is proven.
+    """
     text = asked(*ROUTE).stdout
     answer = json.loads(asked(*ROUTE, "--json").stdout)
 
@@ -47,7 +56,10 @@ def test_the_text_of_a_route():
 
 
 def test_points_of_a_file(points, tmp_path):
-    """The last point is the target; where a target is given, all points are on the way."""
+    """Points of a file are the route's.
+
+    The last point is the target; where a target is given, all points are on the way.
+    """
     options = [
         json.loads(asked(*q, "--json").stdout) for q in (ROUTE, (*START, "--via-file", str(points)))
     ]
@@ -92,7 +104,10 @@ def test_a_file_of_points_that_cannot_be_read(text, points):
     ],
 )
 def test_a_file_that_cannot_be_written_is_refused_before_the_solve(option, file, reason):
-    """The refusal is about the file: the solver, which does not exist, is not looked for."""
+    """An unwritable file is refused before the solve.
+
+    The refusal is about the file: the solver, which does not exist, is not looked for.
+    """
     with pytest.raises(
         DubinsStudyError, match=re.escape(f"{option}: cannot write {file}: {reason}")
     ):
@@ -100,13 +115,18 @@ def test_a_file_that_cannot_be_written_is_refused_before_the_solve(option, file,
 
 
 def test_a_route_as_geojson(points, tmp_path):
-    """A line past every point, with what is proven of it; the points with the names of the file."""
+    """A route as GeoJSON.
+
+    It has a line past every point, with what is proven of it, and the points with the names of the
+    file.
+    """
     file = tmp_path / "route.json"
     points.write_text(points.read_text().replace("more", "name"))
     asking = (*START, "--via-file", str(points), "--json", "--geojson", str(file))
     answer = json.loads(asked(*asking).stdout)
     path, *marks = json.loads(file.read_text())["features"]
-    line, properties = np.array(path["geometry"]["coordinates"]), path["properties"]
+    line = np.array(path["geometry"]["coordinates"])
+    properties = path["properties"]
 
     for point in [(0, 0), (4, 1), (6, -2), (10, 5)]:
         assert np.hypot(*(line - point).T).min() < 0.1  # arcs have a point every 5 degrees
@@ -127,7 +147,10 @@ def test_a_route_as_geojson(points, tmp_path):
 
 
 def test_points_without_names_as_geojson(tmp_path):
-    """Names are null; so are headings at points that a path is not known to pass in order."""
+    """Points without names as GeoJSON.
+
+    Names are null; so are headings at points that a path is not known to pass in order.
+    """
     file = tmp_path / "route.json"
     asked(*ROUTE, "--geojson", str(file))
     marks = json.loads(file.read_text())["features"][1:]
@@ -142,7 +165,11 @@ def test_points_without_names_as_geojson(tmp_path):
 
 
 def test_a_drawn_route():
-    """Each kind of piece once in the legend, the points by their numbers, two arrows, circles."""
+    """A drawn route.
+
+    Each kind of piece is once in the legend. There are the points by their numbers, two arrows,
+    and circles.
+    """
     scenario = Scenario(
         heading="30deg", target_x=10, target_y=5, via=[(4, 1), (6, -2)], final_heading="90deg"
     )
@@ -167,7 +194,11 @@ def test_a_drawn_route():
 
 
 def test_a_drawn_route_with_a_free_final_heading():
-    """One arrow; a path of another solver, in many pieces of different curvature, is drawn too."""
+    """A drawn route with a free final heading.
+
+    It has one arrow. A path of another solver, in many pieces of different curvature, is drawn
+    too.
+    """
     scenario = Scenario(target_x=3, target_y=0, via=[(2, 0)])
     steps = 0.3 * np.sin(np.arange(40))
     answer = SimpleNamespace(
@@ -186,8 +217,12 @@ def test_a_drawn_route_with_a_free_final_heading():
 
 
 def route_through(points):
-    """An answer of straight legs through points, as far as it is drawn."""
-    turns, lengths = [], []
+    """An answer of straight legs through points.
+
+    It has only what the drawing needs.
+    """
+    turns = []
+    lengths = []
     chords = np.diff(points, axis=0)
     headings = np.arctan2(chords[:, 1], chords[:, 0])
     for turn, chord in zip(np.diff(headings, prepend=headings[0]), chords, strict=True):
@@ -210,7 +245,10 @@ DENSE = {
 @pytest.mark.parametrize("points", DENSE.values(), ids=DENSE)
 @pytest.mark.parametrize("inches", [None, 2])
 def test_numbers_of_points_do_not_overlap(points, inches):
-    """Nor do many points get many numbers, or large dots; few points have one each."""
+    """Numbers of points do not overlap.
+
+    Nor do many points get many numbers, or large dots; few points have one each.
+    """
     ax = inches and Figure((inches, inches)).add_subplot()
     figure = plot_path(route_through(points), ax=ax)
     canvas = FigureCanvasAgg(figure)
@@ -226,7 +264,10 @@ def test_numbers_of_points_do_not_overlap(points, inches):
 
 
 def test_a_long_word_is_broken_where_the_terminal_ends(monkeypatch):
-    """On a terminal alone; its continuation begins below the value."""
+    """A long word is broken at the terminal's end.
+
+    It is broken on a terminal alone; its continuation begins below the value.
+    """
     many = [word for i in range(1, 13) for word in ("--via", str(5 * i), "1")]
     unbroken = asked("solve", "70", "0", *many).stdout
     monkeypatch.setenv("COLUMNS", "60")
@@ -238,7 +279,10 @@ def test_a_long_word_is_broken_where_the_terminal_ends(monkeypatch):
 
 
 def test_a_word_of_many_legs_is_shortened_in_the_text():
-    """The first legs and how many there are; the JSON object has all."""
+    """A word of many legs is shortened.
+
+    The text has the first legs and how many there are; the JSON object has all.
+    """
     many = [word for i in range(1, 40) for word in ("--via", str(5 * i), "1")]
     asking = ("solve", "200", "0", *many)
     shown = line_of("word", asked(*asking).stdout)
@@ -252,7 +296,10 @@ def test_a_word_of_many_legs_is_shortened_in_the_text():
 
 
 def test_the_check_s_shorter_path_can_be_taken(tmp_path):
-    """Of an answer that is found longer, the text has the shorter length, and files its path."""
+    """The check's shorter path can be taken.
+
+    Where an answer is found longer, the text has the shorter length, and files have its path.
+    """
     solver = "heading-milp[headings=5]"
     question = ("solve", "--from", "0", "0", "0", "-2", "-1", "--via", "3", "0", "--solver", solver)
     files = [tmp_path / name for name in ("answer.json", "shortest.json")]
@@ -267,7 +314,10 @@ def test_the_check_s_shorter_path_can_be_taken(tmp_path):
 
 
 def test_columns_that_are_passed_over_are_named(tmp_path, caplog):
-    """A heading whose column says more, such as a unit, is refused: it would be read wrongly."""
+    """Columns that are passed over are named.
+
+    A heading whose column says more, such as a unit, is refused: it would be read wrongly.
+    """
     file = tmp_path / "points.csv"
     file.write_text("x,y,alt,heading,z\n4,1,120,,0\n6,-2,120,,0\n")
 

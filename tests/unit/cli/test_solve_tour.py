@@ -1,4 +1,7 @@
-"""`dubins-study solve` of tours, closed paths, free starts and headings at via points."""
+"""`dubins-study solve` of tours.
+
+Closed paths, free starts and headings at via points are tested too.
+"""
 
 import json
 import math
@@ -32,7 +35,10 @@ def json_of(*words):
 
 
 def test_the_text_of_a_tour_names_its_points(file):
-    """By their names, or numbers; and what the order of the file would have cost."""
+    """The text of a tour names its points.
+
+    It has their names, or numbers, and what the order of the file would have cost.
+    """
     asked_for = ("--via-file", str(file), "--order", "free", "--from", "0", "0", "30deg", "12", "3")
 
     text = asked("solve", *asked_for).stdout
@@ -47,7 +53,10 @@ def test_the_text_of_a_tour_names_its_points(file):
 
 
 def test_points_of_one_name_have_their_numbers(tmp_path):
-    """And an order that a solver makes worse than the given one is not called shorter."""
+    """Points of one name have their numbers.
+
+    An order that a solver makes worse than the given one is not called shorter.
+    """
     file = tmp_path / "twins.csv"
     file.write_text("x,y,name\n3,4,a\n6,1,a\n-3,-2,\n")
     tour = ("--via-file", str(file), "--order", "free", "--solver", "tour-order")
@@ -80,7 +89,10 @@ def test_a_heading_of_more_than_a_turn_is_taken_as_it_is(recwarn):
 
 
 def test_a_tour_is_the_shortest_of_all_orders(file):
-    """Without X Y it ends at whichever point comes last."""
+    """A tour is the shortest of all orders.
+
+    Without X Y it ends at whichever point comes last.
+    """
     answer = json_of("--via-file", str(file), "--order", "free", "--from", "0", "0", "free")
 
     points = [(9, -6), (3, 7), (-5, 4), (4, -3)]
@@ -102,9 +114,10 @@ def test_a_tour_is_the_shortest_of_all_orders(file):
 
 
 def test_a_closed_path_ends_as_it_starts(file, tmp_path):
-    drawn, written = tmp_path / "tour.svg", tmp_path / "tour.json"
+    drawing = tmp_path / "tour.svg"
+    written = tmp_path / "tour.json"
     options = ("--closed", "--order", "free", "--from", "1", "2", "free")
-    files = ("--plot", str(drawn), "--geojson", str(written))
+    files = ("--plot", str(drawing), "--geojson", str(written))
 
     answer = json_of("--via-file", str(file), *options, *files)
 
@@ -119,11 +132,15 @@ def test_a_closed_path_ends_as_it_starts(file, tmp_path):
     assert [each["name"] for each in shown] == ["mill", "oak", None, "ford", None]
     by_visit = sorted((each for each in shown if each["kind"] == "via"), key=lambda p: p["visit"])
     assert [each["index"] - 1 for each in by_visit] == answer["order"]
-    assert drawn.stat().st_size > 1000
+    assert drawing.stat().st_size > 1000
 
 
 def test_headings_at_points_are_met(tmp_path):
-    """From a column of the file, or by the number of a point; the last one's is the target's."""
+    """Headings at points are met.
+
+    They come from a column of the file, or by the number of a point; the last one's is the
+    target's.
+    """
     file = tmp_path / "lines.csv"
     file.write_text("x,y,heading\n4,1,90deg\n6,-2,free\n10,5,-pi/2\n")
     typed = ("10", "5", "--via", "4", "1", "--via", "6", "-2", "--via-heading", "1", "90deg")
@@ -143,7 +160,10 @@ def test_headings_at_points_are_met(tmp_path):
 
 
 def test_the_given_order_takes_a_tenth_of_the_limit(file, monkeypatch):
-    """It is only compared with: a tour of many points would take twice its limit."""
+    """The given order takes a tenth of the limit.
+
+    It is only compared with: a tour of many points would take twice its limit.
+    """
     limits = []
 
     def timed(scenario, *arguments, limit, **others):
@@ -166,7 +186,10 @@ def test_a_start_heading_is_shown_within_half_a_turn(file, turns):
 
 
 def test_no_proved_path_has_a_gap_below_zero():
-    """Rounding may make it shorter than the proven bound by a few ulps."""
+    """No proved path has a gap below zero.
+
+    Rounding may make it shorter than the proven bound by a few ulps.
+    """
     exact = solve(Scenario(target_x=9, target_y=1, via=[(3, 4)], order="free"))
     answer = replace(exact, gap=-1e-16)
     assert answer.proof == "proved"
@@ -226,7 +249,10 @@ def test_the_command_of_a_scenario_asks_it(seed):
 
 
 def test_a_tour_is_drawn_with_its_points_in_the_order_of_visits():
-    """The numbers beside the points, along the path, are 1, 2, 3."""
+    """A tour's points have the numbers of visits.
+
+    The numbers beside the points, along the path, are 1, 2, 3.
+    """
     answer = solve(Scenario(heading=0.3, via=[(9, -6), (3, 7), (-5, 4)], order="free", closed=True))
 
     [axes] = plot_path(answer).axes
@@ -239,7 +265,10 @@ def test_a_tour_is_drawn_with_its_points_in_the_order_of_visits():
 
 
 def drawn_texts(scenario, names):
-    """The texts beside points, by their points; and what stands below the plot."""
+    """Texts beside points, by their points.
+
+    The texts below the plot come with them.
+    """
     answer = solve(scenario, limit=2)
     [axes] = plot_path(answer, names=names).axes
     beside = {tuple(text.xy): text.get_text() for text in axes.texts if text.get_text()}
@@ -247,7 +276,11 @@ def drawn_texts(scenario, names):
 
 
 def test_names_stand_beside_few_points():
-    """Behind the numbers of visits; the last point of an open tour has both, a target its name."""
+    """Names stand beside few points.
+
+    They stand behind the numbers of visits; the last point of an open tour has both, a target its
+    name.
+    """
     via = [(9, -6), (3, 7), (-5, 4)]
     names = ["mill", "oak", ""]
 
@@ -273,7 +306,10 @@ def test_names_of_many_points_stand_below_the_plot():
 
 
 def test_texts_do_not_overlap():
-    """Of points that lie close some are left without a name, or without a text."""
+    """Texts do not overlap.
+
+    Of points that lie close some are left without a name, or without a text.
+    """
     via = [(4 + 0.1 * place, 3.0) for place in range(6)]
     names = [f"point number {place}" for place in range(6)]
 
@@ -283,7 +319,10 @@ def test_texts_do_not_overlap():
 
 
 def test_letters_that_the_font_lacks_are_named_once(caplog, tmp_path):
-    """Matplotlib warns of each letter, with its own file and line."""
+    """Letters that the font lacks are named once.
+
+    Matplotlib warns of each letter, with its own file and line.
+    """
     answer = solve(Scenario(via=[(1, 5), (6, 3)], order="free"))
 
     with warnings.catch_warnings():

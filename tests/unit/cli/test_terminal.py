@@ -1,4 +1,7 @@
-"""What a terminal gets: progress in one line, tables as wide as it is; without one plain lines."""
+"""Output on a terminal, and plain lines elsewhere.
+
+A terminal gets progress in one line, and tables as wide as it is.
+"""
 
 import io
 import re
@@ -99,7 +102,10 @@ ROWS = [
 
 @pytest.mark.parametrize("width", [60, 80, 120, 200])
 def test_a_table_fits(width, monkeypatch):
-    """No line is longer than the terminal, no number is broken, and no character of a text lost."""
+    """A table fits.
+
+    No line is longer than the terminal, no number is broken, and no character of a text lost.
+    """
     monkeypatch.setenv("COLUMNS", str(width))
     shown = table(HEAD, ROWS)
 
@@ -113,7 +119,10 @@ def test_a_table_fits(width, monkeypatch):
 
 
 def test_without_a_terminal_a_row_is_a_line(monkeypatch):
-    """For programs that read it."""
+    """Without a terminal a row is a line.
+
+    Programs read it.
+    """
     monkeypatch.delenv("COLUMNS", raising=False)
     assert len(table(HEAD, ROWS).splitlines()) == 2 + len(ROWS)
 

@@ -1,4 +1,7 @@
-"""What a wrong path's solver has mixed up, guessed from the path alone."""
+"""Mix-ups of a wrong path's solver.
+
+They are guessed from the path alone.
+"""
 
 import math
 import re
@@ -20,7 +23,7 @@ TURNS = K != 0
 
 
 def of_other(**changes):
-    """The controls of the shortest path of a changed question."""
+    """Controls of a changed question's shortest path."""
     path = shortest_path(replace(REFERENCE, **changes))
     return path.curvatures, path.lengths
 
@@ -40,7 +43,10 @@ MIXED_UP = {
 
 @pytest.mark.parametrize("words", MIXED_UP)
 def test_controls_that_are_mixed_up(words):
-    """The mix-up is applied to the shortest path, and found again."""
+    """Controls that are mixed up are recognised.
+
+    The mix-up is applied to the shortest path, and found again.
+    """
     cause = cause_of(REFERENCE, Path(REFERENCE.start, *MIXED_UP[words]))
 
     assert re.search(words, cause)
@@ -48,7 +54,10 @@ def test_controls_that_are_mixed_up(words):
 
 
 def test_a_path_to_nowhere_has_no_cause():
-    """Two hundred paths drawn at random: none fits a guess by accident."""
+    """A path to nowhere has no cause.
+
+    Two hundred paths are drawn at random: none fits a guess by accident.
+    """
     rng = np.random.default_rng(3)
     for scenario in [*GENERAL.values()] * 22:
         curvature = rng.uniform(-1, 1, 2) / scenario.radius
@@ -79,8 +88,10 @@ def test_a_path_that_arrives_and_is_longer(controls, words):
 
 
 TOURS, ROUTES = OF_KIND["tour"], OF_KIND["route"]
-FAR, ANY = TOURS["4 points far apart"], TOURS["5 points, the end at any"]
-BACK, LINES = TOURS["4 points, closed"], TOURS["2 lines to fly along"]
+FAR = TOURS["4 points far apart"]
+ANY = TOURS["5 points, the end at any"]
+BACK = TOURS["4 points, closed"]
+LINES = TOURS["2 lines to fly along"]
 
 
 def bare(scenario):
@@ -112,7 +123,10 @@ TAKEN_FOR = {
 
 @pytest.mark.parametrize("words", TAKEN_FOR)
 def test_what_a_path_through_points_leaves_out(words):
-    """The shortest path of another question, which lacks just that."""
+    """Conditions that a path through points leaves out.
+
+    It is the shortest path of another question, which lacks just that.
+    """
     scenario, changes = TAKEN_FOR[words]
     if words == "ends at a point of question.scenario.via":
         passed = (*scenario.via, (scenario.target_x, scenario.target_y))

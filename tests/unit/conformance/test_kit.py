@@ -1,4 +1,4 @@
-"""The conformance kit in this process: what it makes of solvers that are known."""
+"""The conformance kit on known solvers, in this process."""
 
 import itertools
 import json
@@ -52,7 +52,8 @@ class Right(Analytic):
 class Confident(Right):
     """Looks at LS and RS only, and is sure."""
 
-    branches, takes = ("best",), frozenset({"free final heading"})
+    branches = ("best",)
+    takes = frozenset({"free final heading"})
 
     def solve(self, question, limit):
         answers = [
@@ -64,14 +65,17 @@ class Confident(Right):
 
 
 class Careful(Confident):
-    """The same, and says only that its paths are local optima."""
+    """The right solver, claiming only local optima."""
 
     def solve(self, question, limit):
         return Solution(Claim.LOCAL, super().solve(question, limit).path)
 
 
 class Modest(Careful):
-    """The same, and does not inherit the promise of the closed form."""
+    """The right solver without the closed form's promise.
+
+    It does not inherit the promise.
+    """
 
     guarantee = Guarantee.LOCAL
 
@@ -84,25 +88,31 @@ class Raising(Right):
 
 
 class OfPoses(Right):
-    """Answers one leg with a final heading, and nothing else."""
+    """Answers one leg with a final heading alone."""
 
     takes = frozenset({"final heading"})
 
 
 class OfRoutes(Right):
-    """Answers via points in their order, and nothing else of routes."""
+    """Answers via points in their order, nothing else."""
 
     takes = IN_ORDER
 
 
 class OfTours(Right):
-    """Answers via points in any order, from a heading that is given to a target or any point."""
+    """Answers via points in any order.
+
+    They go from a heading that is given to a target or any point.
+    """
 
     takes = IN_ORDER | {"free order"}
 
 
 class Fixed(Right):
-    """Begins with one heading where it is free, and ignores the headings of points."""
+    """Ignores headings of points, and fixes free ones.
+
+    It begins with one heading where it is free.
+    """
 
     def solve(self, question, limit):
         scenario = question.scenario
@@ -131,7 +141,10 @@ class OfNothing(Right):
 
 
 class Denying(Right):
-    """Denies every path with via points or a final heading."""
+    """Denies paths of routes and final headings.
+
+    They are all paths with via points or a final heading.
+    """
 
     def solve(self, question, limit):
         if question.scenario.one_free_leg:
@@ -147,7 +160,7 @@ class Silent(Denying):
 
 
 class Nearly(Right):
-    """Ends a little too soon, where its final heading is given."""
+    """Ends a little too soon at final headings."""
 
     def solve(self, question, limit):
         path = super().solve(question, limit).path
@@ -174,7 +187,8 @@ class Misled(Right):
 class Bounding(Right):
     """A bound above the length in the discs."""
 
-    branches, takes = ("best",), frozenset({"free final heading"})
+    branches = ("best",)
+    takes = frozenset({"free final heading"})
 
     def solve(self, question, limit):
         path = super().solve(question, limit).path
@@ -183,7 +197,7 @@ class Bounding(Right):
 
 
 class Tiring(Right):
-    """Changes the state of its process in every solve, each time alike."""
+    """Changes the process's state in every solve alike."""
 
     branches = ("best",)
 
@@ -203,9 +217,13 @@ class Timeless(Right):
 
 
 class Slow(Right):
-    """Takes twice as long as a run lets it, whatever its limit."""
+    """Takes twice as long as a run permits.
 
-    branches, keeps_limit = ("best",), False
+    That holds whatever its limit.
+    """
+
+    branches = ("best",)
+    keeps_limit = False
 
     def solve(self, question, limit):
         time.sleep(2 * RUN_GRACE_S + 0.05)
@@ -213,12 +231,17 @@ class Slow(Right):
 
 
 class Hurried(Right):
-    """Answers all but two questions with what it has when its limit is over."""
+    """Answers within its limit, but for two questions.
 
-    branches, sure = ("best",), ("target ahead to the left", "target behind to the right")
+    It answers with what it has when its limit is over.
+    """
+
+    branches = ("best",)
+    sure = ("target ahead to the left", "target behind to the right")
 
     def solve(self, question, limit):
-        began, steps = time.perf_counter(), 0
+        began = time.perf_counter()
+        steps = 0
         if question.scenario.label in self.sure:
             return super().solve(question, limit)
         while time.perf_counter() < began + limit:
@@ -233,7 +256,10 @@ class AlwaysHurried(Hurried):
 
 
 class HurriedAndMoody(Hurried):
-    """Answers what it has time for with another length each time."""
+    """Answers in time, with another length each time.
+
+    It answers what it has time for.
+    """
 
     mood = itertools.count()
 
@@ -260,7 +286,9 @@ class OneWordRaising(OneWord):
 class Everything(Right):
     """Answers all that a solver may be asked."""
 
-    warm, guarantee, branches = True, Guarantee.STOCHASTIC, ("best", *WORDS)
+    warm = True
+    guarantee = Guarantee.STOCHASTIC
+    branches = ("best", *WORDS)
 
 
 class Brief(Right):
@@ -273,7 +301,8 @@ class Brief(Right):
 class Lost(Right):
     """Drives straight on, and is sure."""
 
-    branches, takes = ("best",), Right.takes - {"free start heading"}
+    branches = ("best",)
+    takes = Right.takes - {"free start heading"}
 
     def solve(self, question, limit):
         return Solution(Claim.OPTIMAL, Path(question.scenario.start, [0.0], [1.0]))
@@ -301,7 +330,10 @@ def test_a_right_solver_passes_without_a_note():
 
 
 def test_the_papers_claim_is_false_in_the_discs():
-    """And only there: LS or RS is the shortest everywhere else."""
+    """The paper's claim is false in the discs.
+
+    It is false only there: LS or RS is the shortest everywhere else.
+    """
     report = checked(Confident)
 
     assert failed(report) == {"discs", "circles"}, report
@@ -324,7 +356,10 @@ class Still(Elsewhere):
 
 
 def test_a_false_claim_fails_the_check_of_claims():
-    """Asked alone too; what to do about it is told once."""
+    """A false claim fails the check of claims.
+
+    It fails when asked alone too; what to do about it is told once.
+    """
     assert "claims" in failed(checked(Elsewhere, ["claims"]))
     report = checked(Elsewhere, ["controls", "claims"])
     assert failed(report) >= {"controls", "claims"}
@@ -337,7 +372,10 @@ def test_a_path_that_does_not_move_is_no_kept_answer():
 
 
 def test_a_longer_path_is_a_note_of_an_honest_solver():
-    """The verdict says on how many questions, and how much longer the longest is."""
+    """An honest solver's longer path is a note.
+
+    The verdict says on how many questions, and how much longer the longest is.
+    """
     report = checked(Modest)
 
     assert report.passed, report
@@ -348,7 +386,8 @@ def test_a_longer_path_is_a_note_of_an_honest_solver():
         excess = min(path.length for path in words if path is not None) - best.length
         gaps.append(excess / max(best.length, scenario.radius))
     worst = max(gaps)
-    longer, asked = report.answers["longer"], sum(report.answers.values())
+    longer = report.answers["longer"]
+    asked = sum(report.answers.values())
     shares = f"longer than the shortest on {longer} of {asked} questions, worst {100 * worst:.3g} %"
     assert shares in " ".join(str(report).split())
     assert "longer than" not in str(checked(Right, ["claims"]))
@@ -437,7 +476,10 @@ def test_requests_that_cannot_be_met(request_, error, message):
 
 
 def test_what_the_limit_cuts_off_need_not_be_the_same():
-    """How far a search comes in its limit is the machine's doing; the rest is compared."""
+    """Answers cut off by the limit may differ.
+
+    How far a search comes in its limit is the machine's doing; the rest is compared.
+    """
     reports = [
         check_solver(kind, checks=["determinism"], time_limit=0.05, isolated=False)
         for kind in (Hurried, AlwaysHurried, HurriedAndMoody)
@@ -452,7 +494,10 @@ def test_what_the_limit_cuts_off_need_not_be_the_same():
 
 
 def test_an_error_of_the_check_is_not_the_solvers(monkeypatch):
-    """It ends the interview with its own traceback; nothing is said of the solver."""
+    """An error of the check is not the solver's.
+
+    It ends the interview with its own traceback; nothing is said of the solver.
+    """
     monkeypatch.setattr(interview, "judged", lambda *_: 1 / 0)
 
     with pytest.raises(ZeroDivisionError):
@@ -460,7 +505,10 @@ def test_an_error_of_the_check_is_not_the_solvers(monkeypatch):
 
 
 def test_the_spec_of_a_class():
-    """A registered one has its name; one inside a function has none."""
+    """The spec of a class.
+
+    A registered one has its name; one inside a function has none.
+    """
 
     class Hidden(Right):
         pass
@@ -472,7 +520,10 @@ def test_the_spec_of_a_class():
 
 @pytest.mark.parametrize("word", WORDS)
 def test_the_questions_of_words_are_what_they_are_for(word):
-    """By the closed form: each has a path of the word, some a shorter one of another word."""
+    """The questions of words suit their purpose.
+
+    By the closed form each has a path of the word, some a shorter one of another word.
+    """
     for scenario in WORDS[word]:
         assert shortest(scenario, word) is not None
     assert shortest(WITHOUT[word], word) is None
@@ -510,7 +561,10 @@ OF_ANY_BRANCH = ("limits", "determinism", "state", "branches")
     + [(OneWordRaising, check) for check in OF_ANY_BRANCH],
 )
 def test_a_check_alone_does_not_pass_what_was_not_answered(kind, check):
-    """No check takes an exception for an answer, also where it is the only check."""
+    """A check alone fails a solver without answers.
+
+    No check takes an exception for an answer, also where it is the only check.
+    """
     report = checked(kind, [check])
 
     assert report[check].status is Status.FAIL, report
@@ -518,7 +572,10 @@ def test_a_check_alone_does_not_pass_what_was_not_answered(kind, check):
 
 
 def test_a_false_bound_is_found_where_it_is_given():
-    """Also one that is false in the discs only."""
+    """A false bound is found.
+
+    It may be false in the discs only.
+    """
     report = checked(Bounding)
 
     assert failed(report) == {"discs", "circles"}
@@ -527,7 +584,11 @@ def test_a_false_bound_is_found_where_it_is_given():
 
 @pytest.mark.parametrize(("kind", "changed"), [(Tiring, "signal handlers"), (Timeless, "clock")])
 def test_a_change_that_every_solve_makes_alike_is_seen(kind, changed):
-    """In a new process, where what our own first path imports does not excuse the first solve."""
+    """A change that every solve makes is seen.
+
+    It runs in a new process, where what our own first path imports does not excuse the first
+    solve.
+    """
     report = check_solver(kind, checks=["state"])
 
     assert report["state"].status is Status.FAIL, report
@@ -541,7 +602,10 @@ def test_checks_that_are_asked_for_alone_ask_what_they_look_at():
 
 
 def test_a_solve_that_a_run_would_end_is_a_note():
-    """A run ends it a tenth of a second after its limit; that is no promise of a plug-in."""
+    """Solves that a run would end are notes.
+
+    A run ends it a tenth of a second after its limit; that is no promise of a plug-in.
+    """
     report = checked(Slow, ["limits"])
 
     assert report["limits"].status is Status.NOTE, report
@@ -564,7 +628,10 @@ def test_a_solver_without_a_path_passes_no_check_of_paths():
 
 @pytest.mark.parametrize("kind", [Raising, Confident, Misled, Bounding])
 def test_every_failure_shows_a_command(kind):
-    """Also where its advice was given before, and where one question shows nothing."""
+    """Every failure shows a command.
+
+    It does so where its advice was given before, and where one question shows nothing.
+    """
     report = checked(kind)
     failed_by = {
         result.name: [one for one in result.findings if one.status is Status.FAIL]
@@ -590,7 +657,10 @@ def test_commands_ask_in_the_profile_of_the_check():
 
 @pytest.mark.parametrize(("kind", "width"), [(Raising, 40), (Lost, 64), (Lost, 100)])
 def test_the_report_fits_the_terminal(kind, width):
-    """But for tracebacks, and commands, which are copied whole; a line goes on below its text."""
+    """The report fits the terminal.
+
+    Tracebacks and commands are copied whole; a line goes on below its text.
+    """
     path = re.escape(checked(kind, ["loading"]).solver)
     shown = re.sub(path, "my.py:Mine", report_text(checked(kind), width))
     whole = ("$", "File", "raise ", "NotImplementedError")  # commands and tracebacks
@@ -605,14 +675,20 @@ def test_the_report_fits_the_terminal(kind, width):
     ("kind", "least", "most"), [(Modest, 40, 50), (Everything, 82, 90), (OneWord, 4, 40)]
 )
 def test_how_many_questions_are_asked(kind, least, most):
-    """As the documentation says: 40 to 90 of a solver that answers `best`, by what else it does."""
+    """The number of questions is the documented one.
+
+    It is 40 to 90 of a solver that answers `best`, by what else it does.
+    """
     asked = sum(checked(kind, CHECKS).answers.values())
 
     assert least <= asked <= most
 
 
 def test_only_what_a_solver_takes_is_asked():
-    """Checks of other scenarios do not apply, and say why; the rest ask what it takes."""
+    """A solver is asked only what it takes.
+
+    Checks of other scenarios do not apply, and say why; the rest ask what it takes.
+    """
     report = checked(OfPoses, CHECKS)
 
     assert report.passed, report
@@ -627,7 +703,10 @@ def test_only_what_a_solver_takes_is_asked():
     ("kind", "routes", "tours"), [(OfRoutes, 6, 0), (OfTours, 6, 3), (Right, 9, 6)]
 )
 def test_routes_and_tours_are_asked_of_solvers_that_take_them(kind, routes, tours):
-    """Each with its order, end and headings only where those are taken."""
+    """Routes and tours are asked where they are taken.
+
+    Each has its order, end and headings only where those are taken.
+    """
     report = checked(kind, ["routes", "tours"])
 
     assert report.passed, report
@@ -637,7 +716,10 @@ def test_routes_and_tours_are_asked_of_solvers_that_take_them(kind, routes, tour
 
 
 def test_headings_that_are_not_looked_at_are_named():
-    """One at a point is a miss; a start that is free is a false claim of the shortest path."""
+    """Ignored headings are named.
+
+    One at a point is a miss; a start that is free is a false claim of the shortest path.
+    """
     report = checked(Fixed, ["routes", "tours"])
 
     for check in ("routes", "tours"):
@@ -647,10 +729,13 @@ def test_headings_that_are_not_looked_at_are_named():
 
 
 def test_a_longer_tour_is_told_its_order():
-    """Beside that of the shortest: what is to be mended is the order, or the headings."""
-    found = text(checked(InOrder, ["tours"]), "tours")
+    """A longer tour is told its order.
 
-    assert re.search(r"% longer .*; its order is 0 1 2 3, the shortest one's (?!0 1 2 3)", found)
+    The shortest tour's stands beside it: what is to be mended is the order, or the headings.
+    """
+    message = text(checked(InOrder, ["tours"]), "tours")
+
+    assert re.search(r"% longer .*; its order is 0 1 2 3, the shortest one's (?!0 1 2 3)", message)
 
 
 def test_a_solver_has_to_take_an_end():
@@ -661,7 +746,10 @@ def test_a_solver_has_to_take_an_end():
 
 
 def test_no_route_and_no_pose_is_without_a_path():
-    """Its denial is a false claim; a path that is not found is a note. Both name the shortest."""
+    """Every route and every pose has a path.
+
+    Its denial is a false claim; a path that is not found is a note. Both name the shortest.
+    """
     denied, unfound = (checked(kind, ["poses", "routes"]) for kind in (Denying, Silent))
     for check, word in (("poses", "RSL"), ("routes", "RSR RS")):
         assert denied[check].status is Status.FAIL
@@ -678,7 +766,10 @@ def test_a_miss_within_a_tolerance_is_no_mix_up():
 
 
 def test_the_routes_of_the_kit_are_those_that_it_promises():
-    """Two to five legs, three spacings, one in two orders, one in line, one to a heading.
+    """The kit's routes are those that it promises.
+
+    They have two to five legs and three spacings: one in two orders, one in line, one to a
+    heading.
 
     The search proves each in less than a second of work; a millionth is a hundredth of the gap that
     an answer may have.
@@ -700,8 +791,8 @@ def test_the_routes_of_the_kit_are_those_that_it_promises():
     assert (b[0] - a[0]) * (c[1] - a[1]) == (b[1] - a[1]) * (c[0] - a[0])
     assert sum(route.final_heading is not None for route in OF_KIND["route"].values()) == 1
     for route in OF_KIND["route"].values():
-        found = reference_of(route, "best", replace(DEFAULT, search_s=1.0)).enclosure
-        assert found.high <= found.low * (1 + 1e-6), route.label
+        reference = reference_of(route, "best", replace(DEFAULT, search_s=1.0)).enclosure
+        assert reference.high <= reference.low * (1 + 1e-6), route.label
 
 
 def test_the_advice_for_a_disc_is_not_that_for_the_axis():

@@ -1,4 +1,7 @@
-"""The scenarios of a block: those of the scalar formulas, of numpy and of scipy; their ids."""
+"""Scenarios of a block, and their ids.
+
+They are those of the scalar formulas, of numpy and of scipy.
+"""
 
 import itertools
 import math
@@ -39,20 +42,23 @@ def block(name):
 
 
 def columns(name):
-    """The numbers of a block's scenarios, a column for each field."""
-    made = list(scenarios(block(name), "b"))
-    return {field: np.array([getattr(s, field) for s in made]) for field in NUMBERS}
+    """Columns of a block's scenarios, one a field."""
+    questions = list(scenarios(block(name), "b"))
+    return {field: np.array([getattr(s, field) for s in questions]) for field in NUMBERS}
 
 
 @pytest.mark.parametrize("name", BLOCKS)
 def test_a_block_has_as_many_scenarios_as_its_size_says(name):
-    made = list(scenarios(block(name), "b"))
+    questions = list(scenarios(block(name), "b"))
 
-    assert len(made) == block_size(block(name))
+    assert len(questions) == block_size(block(name))
 
 
 def test_a_name_is_the_hash_of_doubles_and_label():
-    """By hand, with another packing."""
+    """A name is the hash of doubles and label.
+
+    The hash is computed by hand, with another packing.
+    """
     import hashlib
 
     scenario = Scenario(1, -0.0, 0.1, 3, 4, 2, label="ß")
@@ -63,16 +69,26 @@ def test_a_name_is_the_hash_of_doubles_and_label():
 
 
 def test_targets_are_those_of_the_scalar_formulas():
-    """Distance and bearing, arc and margin: with `math`, number by number, to the last bit."""
-    polar, made = block("polar"), columns("polar")
+    """Targets are those of the scalar formulas.
+
+    They are given by distance and bearing, arc and margin, and computed with `math`, number by
+    number, to the last bit.
+    """
+    polar = block("polar")
+    numbers = columns("polar")
     product = itertools.product(polar.radius, np.geomspace(0.1, 30, 9), polar.bearing)
     expected = [(R * d * math.cos(bearing), R * d * math.sin(bearing)) for R, d, bearing in product]
-    assert list(zip(made["target_x"].tolist(), made["target_y"].tolist(), strict=True)) == expected
+    assert (
+        list(zip(numbers["target_x"].tolist(), numbers["target_y"].tolist(), strict=True))
+        == expected
+    )
 
-    made = columns("circular")
+    numbers = columns("circular")
     arcs = np.repeat(np.linspace(-3, 3, 20), 4)
     margins = np.tile([-1, -1e-3, 0.0, 2], 20)
-    for x, y, arc, margin in zip(made["target_x"], made["target_y"], arcs, margins, strict=True):
+    for x, y, arc, margin in zip(
+        numbers["target_x"], numbers["target_y"], arcs, margins, strict=True
+    ):
         # the centre lies across the heading; the target at its polar angle
         side = math.copysign(1, arc)
         centre = 2.1 + side * math.pi / 2
@@ -85,21 +101,25 @@ def test_targets_are_those_of_the_scalar_formulas():
 @given(st.floats(1e-9, 1e9), st.floats(1e-9, 1e9), st.integers(1, 50))
 def test_logarithmic_axes_are_numpys(first, last, count):
     axis = {"log": [first, last, count]}
-    found = Block.model_validate({"radius": axis, "target_x": 1, "target_y": 2})
+    model = Block.model_validate({"radius": axis, "target_x": 1, "target_y": 2})
 
-    assert found.radius == pytest.approx(np.geomspace(first, last, count), rel=1e-13)
+    assert model.radius == pytest.approx(np.geomspace(first, last, count), rel=1e-13)
 
 
 def test_sobol_points_are_scipys():
-    drawn = qmc.Sobol(2, rng=np.random.default_rng(7)).random(128)[:100]
+    points = qmc.Sobol(2, rng=np.random.default_rng(7)).random(128)[:100]
     headings = columns("sobol")["heading"]
 
-    assert headings[::2].tobytes() == (-3 + drawn[:, 0] * 6).tobytes()
+    assert headings[::2].tobytes() == (-3 + points[:, 0] * 6).tobytes()
     assert headings[::2].tobytes() == headings[1::2].tobytes()
 
 
 def test_a_route_has_an_id_of_its_own():
-    """Nothing is added to the hash of one leg with a free final heading; by hand, of a route."""
+    """A route has an id of its own.
+
+    Nothing is added to the hash of one leg with a free final heading; that of a route is computed
+    by hand.
+    """
     import hashlib
 
     plain = Scenario(1, 2, 0.1, 3, 4, 2, label="a")
@@ -113,7 +133,7 @@ def test_a_route_has_an_id_of_its_own():
 
 def test_routes_and_final_headings_of_a_block():
     """Via points vary fastest, then the final heading."""
-    found = Block.model_validate(
+    model = Block.model_validate(
         {
             **{"target_x": 9, "target_y": [1, 2], "final_heading": ["0deg", 1]},
             "via": [[], [[3, 4]], [[5, 6], [7, 8]]],
@@ -125,25 +145,30 @@ def test_routes_and_final_headings_of_a_block():
         for y, final, via in itertools.product([1, 2], [0, 1], vias)
     ]
 
-    assert list(scenarios(found, "b")) == expected
-    assert block_size(found) == len(expected)
+    assert list(scenarios(model, "b")) == expected
+    assert block_size(model) == len(expected)
 
 
 ROUTES = {"legs": [1, 4, 2], "spacing": "2R-4R", "count": 50, "seed": 3}
 
 
 def test_sampled_routes():
-    """Legs are as long as their law says, uniformly; turned any way; of the radius and start."""
-    routes = ROUTES | {"count": 500}
-    found = Block.model_validate({"route": routes, "x": 5, "radius": [1, 3], "heading": "1deg"})
-    made = list(scenarios(found, "b"))
-    lengths = [np.hypot(*np.diff(s.points, axis=0).T) / s.radius for s in made if s.radius == 3]
-    spread = np.concatenate(lengths)
-    turns = np.concatenate([np.arctan2(*np.diff(s.points, axis=0).T) for s in made])
+    """Sampled routes follow their law.
 
-    assert len(made) == block_size(found) == 2 * 3 * 500
-    assert [s.legs for s in made] == np.repeat([1, 4, 2], 1000).tolist()
-    assert {(s.x, s.y, s.final_heading) for s in made} == {(5, 0, None)}
+    Legs are as long as their law says, uniformly; turned any way; of the radius and start.
+    """
+    routes = ROUTES | {"count": 500}
+    model = Block.model_validate({"route": routes, "x": 5, "radius": [1, 3], "heading": "1deg"})
+    questions = list(scenarios(model, "b"))
+    lengths = [
+        np.hypot(*np.diff(s.points, axis=0).T) / s.radius for s in questions if s.radius == 3
+    ]
+    spread = np.concatenate(lengths)
+    turns = np.concatenate([np.arctan2(*np.diff(s.points, axis=0).T) for s in questions])
+
+    assert len(questions) == block_size(model) == 2 * 3 * 500
+    assert [s.legs for s in questions] == np.repeat([1, 4, 2], 1000).tolist()
+    assert {(s.x, s.y, s.final_heading) for s in questions} == {(5, 0, None)}
     assert 2 <= spread.min() < 2.1 < 3.9 < spread.max() <= 4
     # four standard errors of a uniform law; every turn is there twice, of both radii
     assert abs(spread.mean() - 3) < 4 * 2 / math.sqrt(12 * spread.size)
@@ -151,7 +176,10 @@ def test_sampled_routes():
 
 
 def test_sampled_routes_are_the_same_for_every_count_and_final_heading():
-    """The first ones of a longer list; of one leg too, which has no via points."""
+    """More samples and final headings change no route.
+
+    The first ones of a longer list are the same; of one leg too, which has no via points.
+    """
     few = list(scenarios(Block.model_validate({"route": ROUTES | {"count": 5}}), "b"))
     sampled = Block.model_validate({"route": ROUTES | {"final_heading": "sampled"}})
     many = list(scenarios(sampled, "b"))
@@ -167,27 +195,30 @@ def test_sampled_routes_are_the_same_for_every_count_and_final_heading():
 
 
 def test_numbers_of_legs_are_whole():
-    """Evenly spaced numbers are none; they were taken, and ended the run with a traceback."""
+    """Numbers of legs are whole.
+
+    Evenly spaced numbers are none; they were taken, and ended the run with a traceback.
+    """
     with pytest.raises(ValueError, match=r"route\.legs\.0\n  Input should be a valid integer"):
         Block.model_validate({"route": ROUTES | {"legs": {"linear": [1, 4, 4]}}})
 
 
 @pytest.mark.parametrize("name", SPACINGS)
 def test_every_spacing_may_be_named(name):
-    found = Block.model_validate({"route": ROUTES | {"spacing": name}})
+    model = Block.model_validate({"route": ROUTES | {"spacing": name}})
     low, high = SPACINGS[name]
-    lengths = [np.hypot(*np.diff(s.points, axis=0).T) for s in scenarios(found, "b")]
+    lengths = [np.hypot(*np.diff(s.points, axis=0).T) for s in scenarios(model, "b")]
 
     assert name == f"{low:g}R-{high:g}R"
     assert low <= min(map(min, lengths)) <= max(map(max, lengths)) <= high * (1 + 1e-12)
 
 
 def test_a_final_heading_may_be_sampled():
-    """As every other field over a range."""
+    """A final heading is sampled like other fields."""
     ranges = {"bearing": {"linear": [0, 6]}, "final_heading": {"linear": ["-90deg", "90deg"]}}
     sample = {"method": "sobol", "count": 64, "seed": 1, "ranges": ranges}
-    made = list(scenarios(Block.model_validate({"distance": 3, "sample": sample}), "b"))
-    finals = [s.final_heading for s in made]
+    questions = list(scenarios(Block.model_validate({"distance": 3, "sample": sample}), "b"))
+    finals = [s.final_heading for s in questions]
 
     assert len(set(finals)) == 64
     assert -math.pi / 2 <= min(finals) < -1.5 < 1.5 < max(finals) <= math.pi / 2
@@ -201,30 +232,36 @@ def tours(**keys):
 
 
 def test_sampled_tours():
-    """Start and points fill a square of their own, as wide as the density says, uniformly."""
-    found = Block.model_validate({"tour": TOURS | {"count": 400}, "x": 5, "radius": [1, 3]})
-    made = list(scenarios(found, "b"))
+    """Sampled tours fill their squares.
 
-    assert len(made) == block_size(found) == 2 * 2 * 2 * 400
-    assert [s.legs for s in made] == np.repeat([3, 6], 1600).tolist()
-    assert {(s.x, s.y, s.order, s.closed, s.final_heading) for s in made} == {
+    Start and points fill a square of their own, as wide as the density says, uniformly.
+    """
+    model = Block.model_validate({"tour": TOURS | {"count": 400}, "x": 5, "radius": [1, 3]})
+    questions = list(scenarios(model, "b"))
+
+    assert len(questions) == block_size(model) == 2 * 2 * 2 * 400
+    assert [s.legs for s in questions] == np.repeat([3, 6], 1600).tolist()
+    assert {(s.x, s.y, s.order, s.closed, s.final_heading) for s in questions} == {
         (5, 0, "free", False, None)
     }
     for n, density, radius in itertools.product([3, 6], [1.5, 8], [1, 3]):
         place = 1600 * (n == 6) + 800 * (density == 8) + (radius == 3)
-        some = made[place : place + 800 : 2]
+        some = questions[place : place + 800 : 2]
         side = density * radius * math.sqrt(n)
         spread = np.array([np.ptp(s.points, axis=0) for s in some])
         # of n + 1 uniform points: the range has the mean n / (n + 2); four standard errors
         variance = 2 * n / ((n + 2) ** 2 * (n + 3))
         assert spread.max() < side
         assert abs(spread.mean() / side - n / (n + 2)) < 4 * math.sqrt(variance / spread.size)
-    headings = np.array([s.heading for s in made])
+    headings = np.array([s.heading for s in questions])
     assert 0 <= headings.min() < 0.1 < 6.2 < headings.max() < 2 * math.pi
 
 
 def test_tours_with_other_ends_have_the_same_points():
-    """A tour that is closed or ends at any point passes what is the target of the others."""
+    """Tours with other ends have the same points.
+
+    A tour that is closed or ends at any point passes what is the target of the others.
+    """
     to_target, anywhere, closed, free = (
         tours(),
         tours(end="any"),
@@ -244,7 +281,11 @@ def test_tours_with_other_ends_have_the_same_points():
 
 
 def test_denser_tours_are_smaller_ones_of_a_longer_list():
-    """The same unit square at every density; the first tours of a longer list, whatever its size"""
+    """Denser tours are smaller ones of the list.
+
+    The unit square is the same at every density. The first tours are those of a longer list,
+    whatever its size.
+    """
     few, many = tours(count=2), tours()
     sparse, dense = many[40], many[0]
 
@@ -255,16 +296,19 @@ def test_denser_tours_are_smaller_ones_of_a_longer_list():
 
 
 def test_orders_ends_and_headings_of_a_block():
-    """What is free or left out is so in the scenario; a heading at a point is its third value."""
+    """A block sets orders, ends and headings.
+
+    What is free or left out is so in the scenario; a heading at a point is its third value.
+    """
     via = [[1, 2], [3, 4, "90deg"], [5, 6, "free"]]
-    found = Block.model_validate({"via": via, "order": "free", "heading": ["free", 0.5]})
+    model = Block.model_validate({"via": via, "order": "free", "heading": ["free", 0.5]})
     points = ((1, 2), (3, 4, math.pi / 2), (5, 6))
     back = Block.model_validate({"via": via, "closed": True, "heading": "free"})
     ends = Block.model_validate(
         {"via": via, "target_x": 9, "target_y": 1, "final_heading": ["free", "0deg"]}
     )
 
-    assert list(scenarios(found, "b")) == [
+    assert list(scenarios(model, "b")) == [
         Scenario(via=points, order="free", heading=heading) for heading in (None, 0.5)
     ]
     assert list(scenarios(back, "b")) == [Scenario(via=points, closed=True, heading=None)]
@@ -272,7 +316,10 @@ def test_orders_ends_and_headings_of_a_block():
 
 
 def test_what_older_scenarios_do_not_have_leaves_their_ids():
-    """By hand: order, end and headings follow after another byte that is in no UTF-8."""
+    """New fields leave the ids of older scenarios.
+
+    By hand: order, end and headings follow after another byte that is in no UTF-8.
+    """
     import hashlib
 
     nan = math.nan
@@ -287,7 +334,10 @@ def test_what_older_scenarios_do_not_have_leaves_their_ids():
 
 
 def test_frozen_problems_are_asked_as_their_routes():
-    """A pattern stands for all problems that it matches, each a route with the name as label."""
+    """Frozen problems are asked as their routes.
+
+    A pattern stands for all problems that it matches, each a route with the name as label.
+    """
     block = Block(frozen=["tube-5000-*", "time-50-survey-6"])
 
     asked = list(scenarios(block, "scenarios.0"))
@@ -301,27 +351,33 @@ LAWS = ("clusters", "survey rows", "roads", "gps")
 
 
 def field(law, **changes):
-    """The scenarios of a block of routes in a field."""
+    """Scenarios of a block of routes in a field."""
     route = {"legs": 40, "spacing": "2R-4R", "count": 3, "seed": 5, "field": law} | changes
     return list(scenarios(Block.model_validate({"route": route}), "b"))
 
 
 @pytest.mark.parametrize("law", LAWS)
 def test_points_of_a_field(law):
-    """The seed draws them; no two fields of a seed, no two laws and no two points are alike."""
-    made = field(law)
+    """The seed draws the points of a field.
 
-    assert made == field(law)
-    assert made[:2] == field(law, count=2)
-    assert len({scenario_id(each) for each in (*made, *field(law, seed=6))}) == 6
-    for each in made:
+    No two fields of a seed, no two laws and no two points are alike.
+    """
+    routes = field(law)
+
+    assert routes == field(law)
+    assert routes[:2] == field(law, count=2)
+    assert len({scenario_id(each) for each in (*routes, *field(law, seed=6))}) == 6
+    for each in routes:
         assert each.legs == 40
         assert len(np.unique(each.points, axis=0)) == 41
 
 
 @pytest.mark.parametrize("law", LAWS)
 def test_the_spacing_is_the_unit_of_a_field(law):
-    """Of another spacing the same seed draws the same field, larger; so does a denser tour."""
+    """The spacing is the unit of a field.
+
+    With another spacing the same seed draws the same field, larger; so does a denser tour.
+    """
     near, far = (field(law, spacing=spacing)[0].points for spacing in ("2R-4R", "4R-20R"))
     tour = {"points": 40, "density": ["3R"], "count": 1, "seed": 5, "field": law}
     [drawn] = scenarios(Block.model_validate({"tour": tour}), "b")
@@ -331,7 +387,10 @@ def test_the_spacing_is_the_unit_of_a_field(law):
 
 
 def test_fields_are_what_they_are_called():
-    """Legs in units of 3 R: of rows whole ones and turns, of a track about one, of blobs short."""
+    """Fields are what they are called.
+
+    Legs are in units of 3 R: of rows whole ones and turns, of a track about one, of blobs short.
+    """
     legs = {
         law: np.concatenate([np.hypot(*np.diff(s.points, axis=0).T) / 3 for s in field(law)])
         for law in LAWS

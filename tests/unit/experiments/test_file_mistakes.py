@@ -1,4 +1,6 @@
-"""All mistakes of an experiment's file at once: line, key, value, and the nearest name.
+"""All mistakes of an experiment's file at once.
+
+A message has line, key, value, and the nearest name.
 
 The files in `mistakes` have many mistakes of different kinds. Where a line holds a mistake, its
 comment begins with WRONG and holds the beginning of the sentence, `||` between two. A comment on
@@ -32,7 +34,10 @@ def expected_mistakes(text):
 
 @pytest.mark.parametrize("file", FILES, ids=lambda file: file.stem)
 def test_every_mistake_is_named_once_on_its_line(file, monkeypatch):
-    """Keys, values, targets, signs, solvers and conflicts, in the order of their lines."""
+    """Every mistake is named once on its line.
+
+    There are keys, values, targets, signs, solvers and conflicts, in the order of their lines.
+    """
     monkeypatch.chdir(FOLDER)
     expected = list(expected_mistakes(file.read_text(encoding="utf-8")))
     with pytest.raises(ExperimentError) as refusal:
@@ -53,8 +58,12 @@ def refusal_of(text, tmp_path, **request):
 
 
 def test_no_plugin_is_loaded_for_a_message(tmp_path):
-    """Of an invalid file as of a valid one: its code may be anyone's."""
-    plugin, mark = tmp_path / "rude.py", tmp_path / "mark"
+    """No plug-in is loaded for a message.
+
+    Neither an invalid file's nor a valid one's is loaded: its code may be anyone's.
+    """
+    plugin = tmp_path / "rude.py"
+    mark = tmp_path / "mark"
     plugin.write_text(f"import pathlib\npathlib.Path({str(mark)!r}).touch()\n")
     specs = [f"{plugin}:A", f"{{analytic,{plugin}:A}}", f"{plugin}:A[n=1]", f"slsqp[x={plugin}:A]"]
     message = refusal_of(f"title = 1\nsolvers = {specs}\n", tmp_path)
@@ -65,7 +74,10 @@ def test_no_plugin_is_loaded_for_a_message(tmp_path):
 
 
 def test_values_of_a_request_have_no_line(tmp_path):
-    """Nor are they the file's: each is named by its key, and the file's mistakes wait."""
+    """Values of a request have no line.
+
+    Nor are they the file's: each is named by its key, and the file's mistakes wait.
+    """
     (file := tmp_path / "my.toml").write_text(f"repeats = 3\nseed = -1\n{HEAD}{BLOCK}")
     with pytest.raises(ExperimentError) as error:
         plan_run(Request(file, repeats=0, time_limit=-1.0))
@@ -84,7 +96,10 @@ def test_twenty_mistakes_are_enough(tmp_path):
 
 
 def paths(value, path=()):
-    """The path of every value of a TOML file, and the value."""
+    """Path of every value of a TOML file.
+
+    The value comes with it.
+    """
     yield path, value
     if isinstance(value, dict):
         for key, inner in value.items():
@@ -96,9 +111,13 @@ def paths(value, path=()):
 
 @pytest.mark.parametrize("name", packaged())
 def test_each_key_stands_on_its_line(name):
-    """Of all packaged experiments; and the lines of a table's blocks are in their order."""
+    """Each key stands on its line.
+
+    All packaged experiments are read; the lines of a table's blocks are in their order.
+    """
     text = read(name).text
-    lines, blocks = text.splitlines(), []
+    lines = text.splitlines()
+    blocks = []
     for path, _ in paths(tomllib.loads(text)):
         if path and isinstance(path[-1], str):
             assert path[-1] in lines[line_of(path, text) - 1], path
@@ -143,7 +162,10 @@ def test_braces_do_not_multiply_without_end(spec, message):
 
 
 def test_what_windows_editors_write_is_no_mistake(tmp_path):
-    """A byte order mark; and a target at the start is one."""
+    """Windows editors' habits are no mistakes.
+
+    The habit is a byte order mark. A target at the start is a target, too.
+    """
     file = tmp_path / "marked.toml"
     file.write_text(f"{HEAD}[[scenarios]]\ndistance = [0, 1]\nbearing = 0\n", encoding="utf-8-sig")
 

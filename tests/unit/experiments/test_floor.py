@@ -1,4 +1,7 @@
-"""The floor of an engine's times: the quickest of several calls, none of them the first."""
+"""The floor of an engine's times.
+
+It is the quickest of several calls, none of them the first.
+"""
 
 from dataclasses import dataclass
 
@@ -23,8 +26,12 @@ class Clock:
 
 
 def timed(monkeypatch, durations):
-    """The floor of an engine whose calls take these seconds, and the residual of each guess."""
-    clock, calls = Clock(), []
+    """Floor of an engine with these call times.
+
+    The residual of each guess comes with it.
+    """
+    clock = Clock()
+    calls = []
     monkeypatch.setattr(floor, "perf_counter", clock)
 
     @dataclass(frozen=True)
@@ -41,21 +48,30 @@ def timed(monkeypatch, durations):
 
 
 def test_the_least_of_the_later_calls_counts(monkeypatch):
-    """The first one loads and compiles, and may as well be quicker by chance."""
+    """The least of the later calls counts.
+
+    The first one loads and compiles, and may as well be quicker by chance.
+    """
     measured, calls = timed(monkeypatch, [0.01, 0.04, 0.02, 0.03, 0.05, 0.06, 0.07])
     assert measured == pytest.approx(0.02)
     assert len(calls) == 7
 
 
 def test_a_slow_engine_is_not_called_often(monkeypatch):
-    """Half a second is enough; a second, at which a call is cut off, is no floor."""
+    """A slow engine is not called often.
+
+    Half a second is enough; a second, at which a call is cut off, is no floor.
+    """
     measured, calls = timed(monkeypatch, [0.1, 0.6])
     assert (measured, len(calls)) == (pytest.approx(0.6), 2)
     assert timed(monkeypatch, [0.1, 1.2])[0] is None
 
 
 def test_the_problem_is_solved_where_it_begins(monkeypatch):
-    """Nothing is left to find: the guess meets the target."""
+    """The problem is solved where it begins.
+
+    Nothing is left to find: the guess meets the target.
+    """
     for residual in timed(monkeypatch, [0.1] * 7)[1]:
         assert residual == pytest.approx([0.0, 0.0], abs=1e-15)
 

@@ -1,4 +1,7 @@
-"""The table of formulations and engines: whole, and each pair what it says."""
+"""The table of formulations and engines is right.
+
+It is whole, and each pair is what it says.
+"""
 
 import pytest
 
@@ -13,7 +16,10 @@ def entries():
 
 
 def test_every_formulation_has_every_engine(entries):
-    """What needs no engine has one line together."""
+    """Every formulation has every engine.
+
+    Formulations without an engine have one line together.
+    """
     engines = {entry.engine for entry in entries if entry.kind != EXACT}
     posed = [entry for entry in entries if entry.kind != EXACT]
 
@@ -31,7 +37,10 @@ def test_a_pair_is_asked_or_has_a_reason(entries):
 
 
 def test_the_spec_of_a_pair_is_that_pair(entries):
-    """The spec's solver names the pair's formulation and engine, and can run here."""
+    """The spec of a pair is that pair.
+
+    The spec's solver names the pair's formulation and engine, and can run here.
+    """
     for entry in entries:
         if entry.spec is None:
             continue
@@ -41,7 +50,10 @@ def test_the_spec_of_a_pair_is_that_pair(entries):
 
 
 def test_every_formulation_and_every_engine_is_asked_somewhere(entries):
-    """No formulation without an engine; an engine without one lacks something."""
+    """Every formulation and engine is asked somewhere.
+
+    No formulation is without an engine; an engine without one lacks something.
+    """
     asked = [entry for entry in entries if entry.spec]
 
     assert {entry.formulation for entry in asked} == set(FORMULATIONS)

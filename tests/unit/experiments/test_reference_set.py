@@ -1,4 +1,4 @@
-"""A suite as files for any program, and the judged answers of any program to it."""
+"""A suite as files, and other programs' judged answers."""
 
 import csv
 import json
@@ -69,7 +69,10 @@ def instances(folder):
 
 
 def write_answers(file, rows):
-    """A file of answers as another program might write it, with only the columns that it has."""
+    """Write a file of answers as another program might.
+
+    It has only the columns that the rows have.
+    """
     with file.open("w", newline="") as text:
         writer = csv.DictWriter(text, list(dict.fromkeys(name for row in rows for name in row)))
         writer.writeheader()
@@ -83,7 +86,10 @@ def known(row, **more):
 
 
 def test_ids_follow_from_the_question_and_not_from_its_place(tmp_path):
-    """Other blocks before and after leave the ids as they are; each branch has one of its own."""
+    """Ids follow from the question, not its place.
+
+    Other blocks before and after leave the ids as they are; each branch has one of its own.
+    """
     alone = questions(read(suite(tmp_path, LEGS)).experiment)
     among = questions(read(suite(tmp_path, ROUTES, LEGS, TOUR)).experiment)
 
@@ -93,7 +99,10 @@ def test_ids_follow_from_the_question_and_not_from_its_place(tmp_path):
 
 
 def test_the_best_paths_of_a_suite_are_judged_optimal(tmp_path):
-    """Written to a table and read back, as text: legs, routes, a free start, a tour."""
+    """The best paths of a suite are judged optimal.
+
+    They are written to a table and read back, as text: legs, routes, a free start, a tour.
+    """
     file = suite(tmp_path, LEGS, ROUTES, FREE_START, TOUR)
     export_suite(file, "disjunctive", tmp_path / "set")
     rows = instances(tmp_path / "set")
@@ -101,13 +110,13 @@ def test_the_best_paths_of_a_suite_are_judged_optimal(tmp_path):
     answers = [known(row, claim="optimal", bound=row["reference_low"]) for row in reached]
     answers += [{"id": row["id"], "claim": "infeasible"} for row in rows if not row["lengths"]]
 
-    judged = judge_answers(write_answers(tmp_path / "copy.csv", answers), file)
+    judgements = judge_answers(write_answers(tmp_path / "copy.csv", answers), file)
 
-    verdicts = dict(zip(judged["id"], judged["verdict"], strict=True))
+    verdicts = dict(zip(judgements["id"], judgements["verdict"], strict=True))
     assert {verdicts[row["id"]] for row in reached} == {"optimal"}
     assert {verdicts[row["id"]] for row in rows if not row["lengths"]} == {"none exists"}
-    assert not judged["false_claim"].any()
-    assert not judged["false_bound"].any()
+    assert not judgements["false_claim"].any()
+    assert not judgements["false_bound"].any()
     assert {row["open"] for row in rows} == {"false"}
     for row in reached:
         assert float(row["reference_low"]) <= float(row["length"]) * (1 + 1e-12)
@@ -115,20 +124,26 @@ def test_the_best_paths_of_a_suite_are_judged_optimal(tmp_path):
 
 
 def test_the_table_of_legs_has_the_closed_form(tmp_path):
-    """The length of each word that exists, by formulas that know nothing of the table."""
+    """The table of legs has the closed form.
+
+    The length of each word that exists is checked by formulas that know nothing of the table.
+    """
     file = suite(tmp_path, LEGS)
     export_suite(file, "disjunctive", tmp_path / "set")
     asked = questions(read(file).experiment)
 
     for row in instances(tmp_path / "set"):
-        found = shortest(asked[row["id"]].scenario, row["branch"])
+        optimum = shortest(asked[row["id"]].scenario, row["branch"])
         length = float(row["length"]) if row["length"] else None
-        expected = None if found is None else pytest.approx(found.total, rel=1e-12)
+        expected = None if optimum is None else pytest.approx(optimum.total, rel=1e-12)
         assert length == expected
 
 
 def test_nl_files_of_routes_are_solved_to_lengths_in_the_interval(tmp_path):
-    """casadi's reader of NL files and Ipopt, from the file's own first point."""
+    """NL files of routes lead into the interval.
+
+    casadi's reader of NL files and Ipopt solve them, from the file's own first point.
+    """
     export_suite(suite(tmp_path, ROUTES), "route-nlp", tmp_path / "set")
     for row in instances(tmp_path / "set"):
         file = casadi.NlpBuilder()
@@ -136,10 +151,12 @@ def test_nl_files_of_routes_are_solved_to_lengths_in_the_interval(tmp_path):
         problem = {"x": casadi.vertcat(*file.x), "f": file.f, "g": casadi.vertcat(*file.g)}
         quiet = {"print_time": False, "ipopt": {"print_level": 0, "sb": "yes"}}
         solver = casadi.nlpsol("solver", "ipopt", problem, quiet)
-        found = solver(x0=file.x_init, lbx=file.x_lb, ubx=file.x_ub, lbg=file.g_lb, ubg=file.g_ub)
+        solution = solver(
+            x0=file.x_init, lbx=file.x_lb, ubx=file.x_ub, lbg=file.g_lb, ubg=file.g_ub
+        )
 
         assert solver.stats()["success"]
-        assert float(found["f"]) == pytest.approx(float(row["reference_high"]), rel=1e-6)
+        assert float(solution["f"]) == pytest.approx(float(row["reference_high"]), rel=1e-6)
 
 
 def test_scip_proves_the_disjunctions_file_within_the_interval(tmp_path):
@@ -159,7 +176,11 @@ def test_scip_proves_the_disjunctions_file_within_the_interval(tmp_path):
 
 @pytest.mark.parametrize("spec", ["tour-milp[headings=4]", "heading-milp[headings=8]"])
 def test_mps_files_have_the_optimum_of_their_grid(spec, tmp_path):
-    """SCIP's reader and search; HiGHS, by the solver, has the same; no grid beats the interval."""
+    """MPS files have the optimum of their grid.
+
+    SCIP's reader and search find it; HiGHS, by the solver, has the same; no grid beats the
+    interval.
+    """
     file = suite(tmp_path, TOUR if "tour" in spec else ROUTES)
     export_suite(file, spec, tmp_path / "set")
     asked = questions(read(file).experiment)
@@ -202,7 +223,7 @@ def test_formulations_that_cannot_be_written_are_refused(formulation, message, t
 
 @pytest.fixture(scope="module")
 def legs(tmp_path_factory):
-    """A suite of legs, and the rows of its table."""
+    """A suite of legs and its table's rows."""
     folder = tmp_path_factory.mktemp("legs")
     file = suite(folder, LEGS)
     export_suite(file, "disjunctive", folder / "set")
@@ -210,7 +231,10 @@ def legs(tmp_path_factory):
 
 
 def test_false_claims_and_bounds_are_counted_by_method(legs, tmp_path):
-    """One program overstates what it knows, the other does not; questions left out are rows."""
+    """False claims and bounds are counted by method.
+
+    One program overstates what it knows, the other does not; questions left out are rows.
+    """
     file, rows = legs
     best = next(row for row in rows if row["branch"] == "best")
     turn = f"{2 * np.pi!r} {best['lengths']}"
@@ -221,9 +245,11 @@ def test_false_claims_and_bounds_are_counted_by_method(legs, tmp_path):
         detour | {"method": "modest", "claim": "feasible", "bound": 0.9 * high},
     ]
 
-    judged = judge_answers(write_answers(tmp_path / "a.csv", answers), file, out=tmp_path / "out")
+    judgements = judge_answers(
+        write_answers(tmp_path / "a.csv", answers), file, out=tmp_path / "out"
+    )
 
-    proud, modest = (judged[judged["solver"] == name] for name in ("proud", "modest"))
+    proud, modest = (judgements[judgements["solver"] == name] for name in ("proud", "modest"))
     assert (proud["false_claim"].sum(), proud["false_bound"].sum()) == (1, 1)
     assert (modest["false_claim"].sum(), modest["false_bound"].sum()) == (0, 0)
     for rows in (proud, modest):
@@ -253,7 +279,10 @@ def test_the_same_answers_are_kept_once_and_other_ones_replace_them(legs, tmp_pa
 
 
 def test_json_and_csv_are_judged_alike(legs, tmp_path):
-    """Lists of numbers in one, texts in the other; what is told as seconds is the time."""
+    """JSON and CSV are judged alike.
+
+    Lists are numbers in one, texts in the other; what is told as seconds is the time.
+    """
     file, rows = legs
     answers = [known(row, seconds=0.25) for row in rows if row["lengths"]]
     listed = [
@@ -340,7 +369,9 @@ def test_a_suite_of_convex_problems_has_no_paths_to_judge(tmp_path):
 
 @pytest.mark.skipif(shutil.which("g++") is None, reason="no C++ compiler")
 def test_a_program_in_another_language_takes_part(tmp_path):
-    """Far from the start its turn and straight line are the shortest path of one leg.
+    """A program in another language takes part.
+
+    Far from the start its turn and straight line are the shortest path of one leg.
 
     Past a via point they may be longer, but pass every point; it leaves other questions out.
     """
@@ -352,18 +383,21 @@ def test_a_program_in_another_language_takes_part(tmp_path):
     done = subprocess.run([program], input=table, capture_output=True, text=True, check=True)
     (tmp_path / "cpp.csv").write_text(done.stdout)
 
-    judged = judge_answers(tmp_path / "cpp.csv", file)
+    judgements = judge_answers(tmp_path / "cpp.csv", file)
 
-    best = judged[judged["branch"] == "best"]
+    best = judgements[judgements["branch"] == "best"]
     one_leg = best["via_x"].isna()
     assert set(best["verdict"][one_leg]) == {"optimal"}
     assert set(best["verdict"][~one_leg]) <= {"optimal", "longer"}
-    assert set(judged["verdict"][judged["branch"] != "best"]) == {"none"}
-    assert not judged["false_claim"].any()
+    assert set(judgements["verdict"][judgements["branch"] != "best"]) == {"none"}
+    assert not judgements["false_claim"].any()
 
 
 def test_the_columns_are_those_that_the_documentation_names():
-    """The page for other programs has each column of a file of answers."""
+    """The documentation names the columns of answers.
+
+    The page for other programs has each column of a file of answers.
+    """
     page = (SOURCE.parents[2] / "docs" / "reference-set.md").read_text()
 
     assert [name for name in COLUMNS if f"| `{name}` |" not in page] == []

@@ -1,4 +1,7 @@
-"""Rows as a table: what no file can hold is replaced."""
+"""Rows as a table.
+
+What no file can hold is replaced.
+"""
 
 import math
 

@@ -1,4 +1,7 @@
-"""Scenarios of a file: the same from CSV and Parquet, and every wrong row named at once."""
+"""Scenarios of a file.
+
+They are the same from CSV and Parquet, and every wrong row is named at once.
+"""
 
 from collections import defaultdict
 from dataclasses import replace
@@ -45,7 +48,7 @@ def refusal_of(file):
 
 
 def test_rows_that_repeat_are_counted(tmp_path, caplog):
-    """They are asked once, and that is said."""
+    """Rows that repeat are asked once, and counted."""
     file = written(tmp_path, f"{HEAD}1,2,0,0,0,1,,1\n1,2,0,0,0,1,,1\n1,3,0,0,0,1,,1\n")
 
     assert len(read_scenarios(file)) == 3
@@ -55,12 +58,18 @@ def test_rows_that_repeat_are_counted(tmp_path, caplog):
 @pytest.mark.parametrize("mark", ["", "\ufeff"])
 @pytest.mark.parametrize("end", ["\n", "\r\n"])
 def test_a_csv_file(tmp_path, mark, end):
-    """Columns in any order, empty lines, quoted labels, Windows' line ends, a byte order mark."""
+    """A CSV file in many forms.
+
+    It has columns in any order, empty lines, quoted labels, Windows' line ends, a byte order mark.
+    """
     assert read_scenarios(written(tmp_path, mark + GOOD.replace("\n", end))) == EXPECTED
 
 
 def test_a_parquet_file(tmp_path):
-    """Numbers or texts of headings; a missing speed or label has its default."""
+    """A Parquet file.
+
+    Headings are numbers or texts; a missing speed or label has its default.
+    """
     file = tmp_path / "drive.parquet"
     frame = frame_of(EXPECTED)
     frame.drop(columns=["speed"]).assign(label=["ahead", None, ""]).to_parquet(file)
@@ -87,7 +96,10 @@ MISTAKES = [
 
 
 def test_every_wrong_row_is_named(tmp_path):
-    """Its first mistake, with line, column, value and rule; a text of two lines is no row."""
+    """Every wrong row is named.
+
+    Its first mistake is told, with line, column, value and rule; a text of two lines is no row.
+    """
     head, *lines = refusal_of(written(tmp_path, WRONG)).splitlines()
 
     assert head == f"{len(MISTAKES)} mistakes"
@@ -96,7 +108,10 @@ def test_every_wrong_row_is_named(tmp_path):
 
 
 def test_columns_may_be_left_out(tmp_path):
-    """Then a scenario has its defaults, and a frame; an empty cell of such a column is refused."""
+    """Columns may be left out.
+
+    Then a scenario has its defaults, and a frame; an empty cell of such a column is refused.
+    """
     pd.DataFrame({"target_y": [5], "target_x": [10.5]}).to_parquet(tmp_path / "a.parquet")
     files = tmp_path / "a.parquet", written(tmp_path, "target_x,target_y\n10.5,5\n")
 
@@ -108,7 +123,10 @@ def test_columns_may_be_left_out(tmp_path):
 
 
 def test_other_columns_are_passed_over(tmp_path, caplog):
-    """And named, since a row has no place for them; a name that is near a missing one is a slip."""
+    """Other columns are passed over and named.
+
+    A row has no place for them; a name that is near a missing one is a slip.
+    """
     text = "name,target_x,target_y,height\nfirst,10.5,5,30\n"
 
     assert read_scenarios(written(tmp_path, text)) == [Scenario(target_x=10.5, target_y=5)]
@@ -117,7 +135,10 @@ def test_other_columns_are_passed_over(tmp_path, caplog):
 
 
 def test_the_rows_of_parquet_are_counted_from_one(tmp_path):
-    """A heading that is a number is read as a text would be."""
+    """The rows of Parquet are counted from one.
+
+    A heading that is a number is read as a text would be.
+    """
     frame = frame_of(EXPECTED).assign(radius=[1, 1, None], heading=[6.28, 90, 1])
     frame.to_parquet(tmp_path / "a.parquet")
 
@@ -174,7 +195,10 @@ def test_a_file_that_cannot_be_read(tmp_path, name, message):
     suffix=st.sampled_from([".csv", ".parquet"]),
 )
 def test_any_bytes_are_read_or_refused(content, head, suffix, tmp_path_factory):
-    """One refusal that names the file, with no control character of the file's."""
+    """Any bytes are read or refused.
+
+    One refusal names the file, with no control character of the file's.
+    """
     file = tmp_path_factory.getbasetemp() / f"any{suffix}"
     file.write_bytes(HEAD.encode() + content if head else content)
     try:
@@ -187,7 +211,10 @@ def test_any_bytes_are_read_or_refused(content, head, suffix, tmp_path_factory):
 
 
 def test_the_cells_of_a_file(tmp_path):
-    """Chosen solvers, or those of an experiment, are asked about exactly these scenarios."""
+    """The cells of a file.
+
+    Chosen solvers, or those of an experiment, are asked about exactly these scenarios.
+    """
     file = written(tmp_path, GOOD)
     alone = plan_run(Request(scenarios=file, solvers=["slsqp", "analytic"]))
     paper = plan_run(Request("paper", scenarios=file))
@@ -202,7 +229,10 @@ def test_the_cells_of_a_file(tmp_path):
 
 
 def test_other_scenarios_are_another_experiment(tmp_path):
-    """The text that a results folder keeps tells the scenarios apart."""
+    """Other scenarios are another experiment.
+
+    The text that a results folder keeps tells the scenarios apart.
+    """
     file = written(tmp_path, GOOD)
     texts = [
         plan_run(Request(scenarios=file, solvers=[s])).experiment_file.text
@@ -215,13 +245,19 @@ def test_other_scenarios_are_another_experiment(tmp_path):
 
 
 def asked_of(plan):
-    """How each scenario of a plan is asked: its id and branch -> the time limit (s)."""
+    """Time limit (s) of each id and branch.
+
+    They are those of a plan's scenarios.
+    """
     cells = [cell for chain in plan.chains for cell in chain]
     return {(cell.scenario_id, cell.branch): cell.time_limit_s for cell in cells}
 
 
 def sample_of(suite, tmp_path, every):
-    """Some scenarios of a suite in a file, and how the suite asks them."""
+    """A suite's sample in a file, and its limits.
+
+    It says how the suite asks these scenarios.
+    """
     suite_cells = plan_run(Request(suite, solvers=["analytic"])).chains
     chosen = {cell.scenario_id: cell.scenario for chain in suite_cells for cell in chain}
     ids = [*chosen][::every]
@@ -236,7 +272,10 @@ def sample_of(suite, tmp_path, every):
     [("benchmark-route", {1.0, 3.0, 10.0}), ("benchmark-leg", {"best", "LS", "RS", "LR", "RL"})],
 )
 def test_a_sample_of_a_suite_is_asked_as_the_suite_asks(tmp_path, caplog, suite, different):
-    """With the time limit and the branches of each question; a limit that is given replaces all."""
+    """A suite's sample is asked as in the suite.
+
+    It has the time limit and the branches of each question; a limit that is given replaces all.
+    """
     file, expected = sample_of(suite, tmp_path, 3)
     asked = asked_of(plan_run(Request(suite, scenarios=file, solvers=["analytic"])))
     given = asked_of(plan_run(Request(suite, scenarios=file, solvers=["analytic"], time_limit=7.0)))
@@ -249,7 +288,10 @@ def test_a_sample_of_a_suite_is_asked_as_the_suite_asks(tmp_path, caplog, suite,
 
 @pytest.mark.parametrize("suite", ["benchmark-route", "benchmark-tour", "benchmark-leg"])
 def test_no_question_of_a_suite_has_two_limits(suite):
-    """The key of a row has no limit: of one solver and scenario only one row would be kept."""
+    """No question of a suite has two limits.
+
+    The key of a row has no limit: of one solver and scenario only one row would be kept.
+    """
     limits = defaultdict(set)
     for plan in block_plans(read(suite).experiment):
         ids = [scenario_id(each) for each in scenarios(plan.block, plan.key)]
@@ -262,7 +304,10 @@ def test_no_question_of_a_suite_has_two_limits(suite):
 
 
 def test_scenarios_that_are_none_of_a_suite_have_its_general_limit(tmp_path, caplog):
-    """It is said of how many; the others keep theirs."""
+    """Scenarios of no suite have the general limit.
+
+    The message says how many there are; the others keep theirs.
+    """
     file, expected = sample_of("benchmark-route", tmp_path, 3)
     frame = pd.concat([pd.read_parquet(file), frame_of(EXPECTED_ROUTES[:2])])
     frame.to_parquet(file)
@@ -270,8 +315,8 @@ def test_scenarios_that_are_none_of_a_suite_have_its_general_limit(tmp_path, cap
 
     assert expected.items() <= asked.items()
     assert [asked[key] for key in asked.keys() - expected.keys()] == [10.0, 10.0]
-    said = f"2 of {len(frame)} scenarios are none of benchmark-route; they are asked with its"
-    assert said in caplog.text
+    message = f"2 of {len(frame)} scenarios are none of benchmark-route; they are asked with its"
+    assert message in caplog.text
 
 
 ROUTES = (
@@ -288,7 +333,10 @@ EXPECTED_ROUTES = [
 
 
 def test_routes_of_a_file(tmp_path):
-    """The same from CSV, and from lists of Parquet; a row that repeats is counted."""
+    """Routes of a file.
+
+    They are the same from CSV, and from lists of Parquet; a row that repeats is counted.
+    """
     frame_of(EXPECTED_ROUTES).to_parquet(tmp_path / "a.parquet")
 
     assert read_scenarios(written(tmp_path, ROUTES)) == EXPECTED_ROUTES
@@ -318,7 +366,10 @@ def test_every_wrong_route_is_named(tmp_path):
 
 
 def test_files_with_other_routes_have_another_comment(tmp_path):
-    """By which a results folder knows its scenarios; without routes it is what it was."""
+    """Files with other routes have another comment.
+
+    A results folder knows its scenarios by it; without routes it is what it was.
+    """
     plain = EXPECTED_ROUTES[2]
     via = replace(plain, via=[(4, 1)])
     posed = replace(plain, final_heading=1)
@@ -328,7 +379,10 @@ def test_files_with_other_routes_have_another_comment(tmp_path):
 
 
 def test_an_experiment_without_scenarios_is_asked_about_a_file(tmp_path):
-    """Its own are optional then."""
+    """An experiment may lack scenarios.
+
+    A file has them then.
+    """
     (tmp_path / "mine.toml").write_text('title = "t"\nquestion = "q"\nsolvers = ["analytic"]\n')
     plan = plan_run(Request(tmp_path / "mine.toml", scenarios=written(tmp_path, GOOD)))
 

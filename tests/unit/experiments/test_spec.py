@@ -1,4 +1,4 @@
-"""Experiments: what a file may say, what is expanded from it, and what is said of mistakes."""
+"""Experiments: contents, expansion and mistakes of a file."""
 
 import math
 
@@ -24,7 +24,10 @@ def expand(text: str) -> list[Scenario]:
 
 @pytest.mark.parametrize("name", packaged())
 def test_packaged_experiments_are_valid(name):
-    """Each has a title, a question, and cells with keys of their own."""
+    """Packaged experiments are valid.
+
+    Each has a title, a question, and cells with keys of their own.
+    """
     experiment = read(name).experiment
     cells = [cell for group in chains(experiment) for cell in group]
 
@@ -33,24 +36,30 @@ def test_packaged_experiments_are_valid(name):
 
 
 def test_products_and_sweeps():
-    """Fields vary in the order of the scenario's own, the last one fastest."""
-    found = expand(
+    """Products and sweeps vary their fields in order.
+
+    The order is the scenario's own, the last one fastest.
+    """
+    scenarios = expand(
         HEAD + '[[scenarios]]\nheading = ["90deg", 0]\ntarget_x = { linear = [1, 3, 3] }\n'
         "target_y = 2\nradius = { log = [0.1, 10, 3] }\n"
     )
 
-    assert len(found) == 2 * 3 * 3
-    assert found[0].heading == pytest.approx(math.pi / 2)
-    assert [s.radius for s in found[:3]] == pytest.approx([0.1, 1, 10])
-    assert [s.target_x for s in found[::3]] == pytest.approx([1, 2, 3, 1, 2, 3])
+    assert len(scenarios) == 2 * 3 * 3
+    assert scenarios[0].heading == pytest.approx(math.pi / 2)
+    assert [s.radius for s in scenarios[:3]] == pytest.approx([0.1, 1, 10])
+    assert [s.target_x for s in scenarios[::3]] == pytest.approx([1, 2, 3, 1, 2, 3])
 
 
 WARM = 'title = "t"\nquestion = "q"\nsolvers = ["slsqp"]\ninitial_guesses = ["warm"]\n'
 
 
 def test_a_sweep_is_known_by_all_its_cells():
-    """Two sweeps with one cell in common are not one sweep, nor can both own that cell; the same
-    sweep twice is one."""
+    """A sweep is known by all its cells.
+
+    Two sweeps with one cell in common are not one sweep, nor can both own that cell; the same
+    sweep twice is one.
+    """
     first, second = (BLOCK + f"radius = [{radii}]\n" for radii in ("1, 1.5, 2", "1, 0.5, 0.25"))
     other = second.replace("[[scenarios]]", '[[scenarios]]\nlabel = "down"')
 
@@ -63,11 +72,11 @@ def test_a_sweep_is_known_by_all_its_cells():
 
 
 def test_polar_targets():
-    found = expand(
+    scenarios = expand(
         HEAD + '[[scenarios]]\nheading = "30deg"\nradius = 2\ndistance = 5\nbearing = "60deg"\n'
     )
 
-    assert (found[0].target_x, found[0].target_y) == pytest.approx((0, 10))
+    assert (scenarios[0].target_x, scenarios[0].target_y) == pytest.approx((0, 10))
 
 
 @pytest.mark.parametrize("method", ["sobol", "latin hypercube"])
@@ -78,11 +87,11 @@ def test_samples_repeat_and_fill_their_ranges(method):
         "[scenarios.sample.ranges]\ndistance = { log = [0.05, 1000] }\n"
         'bearing = { linear = ["-pi", "pi"] }\n'
     )
-    found = expand(text)
+    scenarios = expand(text)
 
-    assert found == expand(text)
-    assert found != expand(text.replace("seed = 5", "seed = 6"))
-    distances = sorted(math.hypot(s.target_x, s.target_y) for s in found)
+    assert scenarios == expand(text)
+    assert scenarios != expand(text.replace("seed = 5", "seed = 6"))
+    distances = sorted(math.hypot(s.target_x, s.target_y) for s in scenarios)
     assert 0.05 <= distances[0] < 0.1
     assert 500 < distances[-1] <= 1000
     # uniform in the logarithm: the median is the geometric mean of the ends
@@ -91,7 +100,10 @@ def test_samples_repeat_and_fill_their_ranges(method):
 
 @pytest.mark.parametrize("name", ["radius-sweep", "radius-sweep-full"])
 def test_the_radius_sweep_crosses_the_circle(name):
-    """Radii on both sides of the radius where the target enters."""
+    """The radius sweep crosses the circle.
+
+    It has radii on both sides of the radius where the target enters.
+    """
     experiment = read(name).experiment
     by_label: dict[str, list[Scenario]] = {}
     for group in chains(experiment.model_copy(update={"solvers": ["analytic"]})):
@@ -149,7 +161,10 @@ def sample(count: int, seed: int) -> str:
 
 
 def test_sizes_are_counted_exactly():
-    """What is compared with the limit is what would be expanded."""
+    """Sizes are counted exactly.
+
+    What is compared with the limit is what would be expanded.
+    """
     text = HEAD.replace('["analytic"]', '["analytic", "slsqp"]') + (
         'initial_guesses = ["cold", "warm"]\nrepeats = 2\n'
         + BLOCK
@@ -199,15 +214,21 @@ def test_mistakes_name_file_key_and_value(text, message):
 
 
 def test_every_solver_of_given_guesses_is_one_that_takes_them():
-    """Others that are named beside a `guess_lengths` are a mistake; `*` means those that do."""
-    guesses = "guess_lengths = {z1 = 1, z2 = 0, z3 = [1, 2]}\n"
-    found = expand(HEAD.replace("analytic", "*") + BLOCK + guesses)
+    """`*` of given guesses means solvers that take them.
 
-    assert len(found) == 2 * sum(load(name).warm for name in registered())
+    Others that are named beside a `guess_lengths` are a mistake.
+    """
+    guesses = "guess_lengths = {z1 = 1, z2 = 0, z3 = [1, 2]}\n"
+    scenarios = expand(HEAD.replace("analytic", "*") + BLOCK + guesses)
+
+    assert len(scenarios) == 2 * sum(load(name).warm for name in registered())
 
 
 def test_what_nobody_is_asked_is_not_expanded():
-    """The closed form takes no warm start, so a thousand million repeats of that are no cells."""
+    """Cells that nobody is asked are not expanded.
+
+    The closed form takes no warm start, so a thousand million repeats of that are no cells.
+    """
     assert expand(HEAD + 'initial_guesses = ["warm"]\nrepeats = 1000000000\n' + BLOCK) == []
 
 

@@ -1,4 +1,4 @@
-"""Work units: what is left of them once there are rows."""
+"""Rest of a work unit once rows exist."""
 
 import json
 import math
@@ -33,7 +33,10 @@ ALONE = (cell(9, Scenario(0, 0, 0, 5, 5, 1), "cold"),)
 
 
 def test_a_sweep_is_left_whole_until_all_its_cells_are_done():
-    """Each of its cells starts from the path of the one before, which no row need hold."""
+    """A sweep stays whole until all cells are done.
+
+    Each of its cells starts from the path of the one before, which no row need hold.
+    """
     unit = WorkUnit(RUN, [SWEEP, ALONE])
     keys = [one.key for one in SWEEP]
 
@@ -46,14 +49,20 @@ def test_a_sweep_is_left_whole_until_all_its_cells_are_done():
     "route", [{}, {"via": [(0.1, -1e-300), (1 / 3, 7)]}, {"final_heading": 0.1}, {"via": [(2, 1)]}]
 )
 def test_a_question_travels_as_json(route):
-    """Bit by bit, with its via points and final heading."""
+    """A question travels as JSON.
+
+    It comes back bit by bit, with its via points and final heading.
+    """
     question = Question(Scenario(1, 2, 0.1, 3, 4, 2, label="ä", **route), repeat=3)
 
     assert decode_question(json.loads(json.dumps(encode_question(question)))) == question
 
 
 def test_paths_and_arrays_travel_in_messages():
-    """Bit by bit; a setting of any name is no path."""
+    """Paths and arrays travel in messages.
+
+    They come back bit by bit; a setting of any name is no path.
+    """
     end, other_end = socket.socketpair()
     path = Path((0.1, -1e-300, 3), [1 / 3, 0.0], [math.nan, 2.0])
     sent = {"settings": {"path": "x"}, "path": path, "arrays": [np.array([0.1, -0.0])]}

@@ -1,4 +1,4 @@
-"""Flights: when the path is where, and what bank and speed ask of the radius."""
+"""Flights: times of places, bank, speed and radius."""
 
 import math
 
@@ -29,7 +29,10 @@ def tour():
 
 
 def test_stops_come_in_the_order_of_the_flight(tour):
-    """Each is where the mission has it, at the length over the speed; the last is home."""
+    """Stops come in the order of the flight.
+
+    Each is where the mission has it, at the length over the speed; the last is home.
+    """
     stops = tour.stops
 
     assert [stop.place for stop in stops[:-1]] == [place + 1 for place in tour.answer.order]
@@ -44,7 +47,10 @@ def test_stops_come_in_the_order_of_the_flight(tour):
 
 
 def test_waypoints_lie_a_step_apart_and_at_every_stop(tour):
-    """From the start to the end; a stop between two of them is one more."""
+    """Waypoints lie a step apart and at stops.
+
+    They go from the start to the end; a stop between two of them is one more.
+    """
     points = tour.waypoints(50)
     lengths = [point.length for point in points]
 
@@ -55,7 +61,10 @@ def test_waypoints_lie_a_step_apart_and_at_every_stop(tour):
 
 
 def test_the_compass_shows_where_the_next_waypoint_lies(tour):
-    """The azimuth of a geodesic to a point a metre on; curvature turns it by no more."""
+    """The compass shows where the next waypoint lies.
+
+    It is the azimuth of a geodesic to a point a metre on; curvature turns it by no more.
+    """
     points = tour.waypoints(1)
     for one, other in zip(points[:-2:40], points[1:-1:40], strict=True):
         line = Geodesic.WGS84.Inverse(one.lat, one.lon, other.lat, other.lon)
@@ -64,7 +73,10 @@ def test_the_compass_shows_where_the_next_waypoint_lies(tour):
 
 
 def test_altitude_rises_evenly_between_points_that_have_one(tour):
-    """By length; before the first and after the last it stays."""
+    """Altitude rises evenly between points with altitudes.
+
+    It rises by length; before the first and after the last it stays.
+    """
     known = {stop.length: stop.altitude for stop in tour.stops if stop.place in (1, 2)}
     (first, high), (second, low) = sorted(known.items())
 
@@ -76,7 +88,10 @@ def test_altitude_rises_evenly_between_points_that_have_one(tour):
 
 @given(st.floats(1.0, 300.0), st.floats(0.01, 1.5))
 def test_a_level_turn_is_held_by_the_bank(speed, bank):
-    """Lift, of which the vertical part carries the weight, pulls inward by v**2 / R."""
+    """A level turn is held by the bank.
+
+    Lift, of which the vertical part carries the weight, pulls inward by v**2 / R.
+    """
     radius = bank_radius(speed, bank)
     lift = GRAVITY / math.cos(bank)
 
@@ -107,7 +122,10 @@ def test_a_step_that_makes_no_waypoints_is_refused(tour, step):
 
 
 def test_a_start_at_the_first_point_has_its_altitude():
-    """A home position of a plan has none: its altitude is above the sea."""
+    """A start at the first point has its altitude.
+
+    A home position of a plan has none: its altitude is above the sea.
+    """
     points = [MissionPoint(x, 0.0, altitude=height) for x, height in [(0, 100), (900, 200)]]
     for source, heights in [("GPX", (100, 200)), ("QGroundControl plan", (200, 200))]:
         mission = Mission(tuple(points[1:]), points[0], TangentPlane(52.0, 10.0), source=source)

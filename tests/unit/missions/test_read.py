@@ -1,4 +1,7 @@
-"""Mission files of every format: read as they are, and refused with one clear line."""
+"""Mission files of every format.
+
+They are read as they are, and refused with one clear line.
+"""
 
 import csv
 import io
@@ -181,7 +184,10 @@ FILES = {
 
 @pytest.fixture
 def mission_of(tmp_path):
-    """Reads a text, or bytes, as a mission; the file's ending says nothing."""
+    """Reads a text, or bytes, as a mission.
+
+    The file's ending says nothing.
+    """
 
     def read(text, **options):
         file = tmp_path / "mission.dat"
@@ -193,7 +199,10 @@ def mission_of(tmp_path):
 
 @pytest.mark.parametrize("name", FILES)
 def test_a_file_is_read_as_it_is(name, mission_of):
-    """Its points are where geodesics from the middle end; what is passed over is named."""
+    """A file is read as it is.
+
+    Its points are where geodesics from the middle end; what is passed over is named.
+    """
     text, expected, note = FILES[name]
     mission = mission_of(text)
 
@@ -309,7 +318,10 @@ WRONG = {
 
 @pytest.mark.parametrize("name", WRONG)
 def test_a_wrong_file_meets_one_line(name, mission_of, tmp_path):
-    """It names the file and what is wrong there."""
+    """A wrong file gives one line.
+
+    It names the file and what is wrong there.
+    """
     text, message = WRONG[name]
     with pytest.raises(DubinsStudyError) as refusal:
         mission_of(text)
@@ -331,7 +343,10 @@ def test_a_file_that_is_not_there(tmp_path):
 
 
 def test_columns_are_named_by_place(mission_of):
-    """With or without a header, which is passed over."""
+    """Columns may have a header or none.
+
+    A header is passed over where columns are named by place.
+    """
     rows = "A,11.5,9,48.1\nB,11.51,9,48.1\n"
     for text in (rows, f"p,q,r,s\n{rows}"):
         mission = mission_of(text, columns=("name", "lon", "-", "lat"))
@@ -365,7 +380,10 @@ def test_columns_are_named_by_place(mission_of):
     ],
 )
 def test_headings(text, compass, heading, mission_of):
-    """From east counterclockwise, or from north clockwise; a note says which."""
+    """Headings are counterclockwise from east, or clockwise from north.
+
+    A note says which.
+    """
     mission = mission_of(f"x;y;heading\n0;0;\n5;5;{text}\n", compass=compass)
 
     assert mission.points[0].heading is None
@@ -376,7 +394,10 @@ def test_headings(text, compass, heading, mission_of):
 @pytest.mark.parametrize("place", [(11.4, 48.3), (11.9, 47.9), (-170.0, -60.0), (179.9, 70.0)])
 @pytest.mark.parametrize("course", [0.0, 77.0, 255.0])
 def test_a_compass_heading_is_true(place, course, mission_of):
-    """A step along the geodesic with that azimuth goes along the heading on the plane."""
+    """A compass heading is true.
+
+    A step along the geodesic with that azimuth goes along the heading on the plane.
+    """
     lon, lat = place
     other = (lon - 0.5, lat + 0.2)
     rows = f"lon,lat,heading\n{other[0]},{other[1]},\n{lon},{lat},{course}\n"
@@ -385,16 +406,19 @@ def test_a_compass_heading_is_true(place, course, mission_of):
 
     x, y = mission.plane.to_plane([(step["lon2"], step["lat2"])])[0]
     point = mission.points[1]
-    drawn = math.atan2(y - point.y, x - point.x)
+    angle = math.atan2(y - point.y, x - point.x)
     # across, lengths on the plane are longer, which turns a slanted step a little
     distortion = mission.plane.distortion([point[:2]])
-    assert math.remainder(point.heading - drawn, math.tau) == pytest.approx(
+    assert math.remainder(point.heading - angle, math.tau) == pytest.approx(
         0, abs=distortion + 1e-6
     )
 
 
 def test_home_and_what_is_carried_along(mission_of):
-    """The home position, altitudes, names and speeds are those of the file."""
+    """Home and other values are those of the file.
+
+    They are the home position, altitudes, names and speeds.
+    """
     mission = mission_of(plan(*(item(*place) for place in LONLAT), home=[48.2, 11.5, 400]))
 
     assert mission.home.altitude == 400
@@ -431,7 +455,10 @@ def test_repeats_are_dropped_and_counted(mission_of):
 
 
 def test_a_field_too_large_for_a_plane_is_warned_of(mission_of, caplog):
-    """Beyond 1e-4, 156 km from the middle; points of which some are swapped are, too."""
+    """A field too large for planes gives a warning.
+
+    The limit is 1e-4, 156 km from the middle; points of which some are swapped are warned of, too.
+    """
     assert mission_of("lon,lat\n11,48\n14,48\n").warnings == ()
     large = mission_of("lon,lat\n11,48\n16,48\n")
     swapped = mission_of("lon,lat\n11.5,48.1\n48.1,11.5\n")
@@ -442,7 +469,10 @@ def test_a_field_too_large_for_a_plane_is_warned_of(mission_of, caplog):
 
 
 def test_a_plane_of_ones_own(mission_of):
-    """Of degrees it is taken instead of the middle; of metres it says where they are."""
+    """A plane of one's own is taken.
+
+    It replaces the middle of degrees; of metres it says where they are.
+    """
     plane = TangentPlane(48.1, 11.5)
     mission = mission_of("lon,lat\n11.5,48.1\n11.6,48.1\n", plane=plane)
 
@@ -452,7 +482,10 @@ def test_a_plane_of_ones_own(mission_of):
 
 @pytest.mark.parametrize("text", ["lon,lat\n11.5,48.1\n", "x;y\n1;2\n"])
 def test_points_of_a_route(text, tmp_path, caplog):
-    """A file of via points is on a plane, and fields that a route has not are named."""
+    """Points of a route.
+
+    A file of via points is on a plane, and fields that a route has not are named.
+    """
     file = tmp_path / "points.csv"
     file.write_text(text)
     if "lat" in text:
@@ -468,7 +501,11 @@ def test_points_of_a_route(text, tmp_path, caplog):
 @pytest.mark.parametrize("name", FILES)
 @given(data=st.data())
 def test_a_damaged_file_is_read_or_refused(name, data, tmp_path_factory):
-    """Cut anywhere, or with a piece put elsewhere: a mission of finite numbers, or one line."""
+    """A damaged file is read or refused.
+
+    It is cut anywhere, or has a piece put elsewhere: the result is a mission of finite numbers, or
+    one line.
+    """
     text = FILES[name][0]
     text = text if isinstance(text, bytes) else text.encode()
     begin, end, at = sorted(data.draw(st.tuples(*[st.integers(0, len(text))] * 3)))
@@ -522,7 +559,10 @@ def _as_geojson(points, names):
 @pytest.mark.parametrize("written", [_as_gpx, _as_csv, _as_geojson])
 @given(places=places, data=st.data())
 def test_what_another_writer_writes_is_read_back(written, places, data, tmp_path_factory):
-    """Places, names and altitudes; the places by way of the plane and back."""
+    """Files of another writer are read back.
+
+    Places, names and altitudes come back; the places by way of the plane and back.
+    """
     points = [(lon / 10, lat / 10) for lon, lat in places]
     wanted = [data.draw(names) for _ in points]
     file = tmp_path_factory.getbasetemp() / "written"
@@ -536,7 +576,10 @@ def test_what_another_writer_writes_is_read_back(written, places, data, tmp_path
 
 
 def test_a_takeoff_and_a_landing_at_home_are_no_points_to_pass(mission_of):
-    """As planners write them; elsewhere they are places."""
+    """Takeoffs and landings at home are no points.
+
+    Planners write them; elsewhere they are places.
+    """
     home = [52.0, 10.0, 0]
     places = [(22, 52.0, 10.0), (16, 52.01, 10.0), (21, 52.0, 10.0), (21, 52.02, 10.0)]
     items = [
@@ -552,7 +595,10 @@ def test_a_takeoff_and_a_landing_at_home_are_no_points_to_pass(mission_of):
 
 
 def test_a_survey_has_its_height_and_a_plan_its_speed(mission_of):
-    """The height is above home, as those of items are in frame 3; in frame 0 it is passed over."""
+    """A survey has its height, a plan its speed.
+
+    The height is above home, as those of items are in frame 3; in frame 0 it is passed over.
+    """
     corners = [[52.0, 10.0], [52.0, 10.01]]
     survey = {"VisualTransectPoints": corners, "CameraCalc": {"DistanceToSurface": 80}}
     items = [
@@ -573,7 +619,10 @@ def test_a_survey_has_its_height_and_a_plan_its_speed(mission_of):
 
 
 def test_a_closed_list_is_no_repeat_of_a_closed_path(tmp_path):
-    """Its last point is the start; otherwise the message says what to do."""
+    """A closed list is no repeat of closed paths.
+
+    Its last point is the start; otherwise the message says what to do.
+    """
     file = tmp_path / "loop.csv"
     file.write_text("x,y\n0,0\n100,0\n100,100\n0,0\n")
 
@@ -583,7 +632,10 @@ def test_a_closed_list_is_no_repeat_of_a_closed_path(tmp_path):
 
 
 def test_a_name_is_a_name(mission_of):
-    """Also where it is a word of ours, or has characters that no file of a map may have."""
+    """A name is a name.
+
+    It may be a word of ours, or have characters that no file of a map may have.
+    """
     collection = {
         "type": "FeatureCollection",
         "features": [

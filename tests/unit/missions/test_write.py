@@ -1,4 +1,4 @@
-"""Flights as files, read back by parsers that are not ours."""
+"""Flights as files, read back by others' parsers."""
 
 import csv
 import json
@@ -37,7 +37,10 @@ def places_of(flight, step):
 
 
 def test_gpx_has_its_elements_in_order(flight, tmp_path):
-    """GPX 1.1: waypoints, then tracks; of a waypoint ele, name, desc."""
+    """GPX has its elements in order.
+
+    GPX 1.1: waypoints, then tracks; of a waypoint ele, name, desc.
+    """
     file = tmp_path / "flight.gpx"
     lacks = write_flight(flight, file, step=20)
     root = ElementTree.parse(file).getroot()
@@ -64,7 +67,10 @@ def test_gpx_is_what_another_program_reads(flight, tmp_path):
 
 
 def test_kml_has_a_line_and_a_placemark_for_each_stop(flight, tmp_path):
-    """KML 2.2: of a placemark the name, the description, then the geometry."""
+    """KML has a line and placemarks for stops.
+
+    KML 2.2: of a placemark the name, the description, then the geometry.
+    """
     file = tmp_path / "flight.kml"
     write_flight(flight, file, step=20)
     root = ElementTree.parse(file).getroot()
@@ -103,7 +109,10 @@ def test_a_plan_has_what_its_documentation_asks_for(flight, tmp_path):
 
 
 def test_waypoint_lines_have_twelve_cells(flight, tmp_path):
-    """QGC WPL 110: home is line 0, in the global frame; the others are above home."""
+    """Waypoint lines have twelve cells.
+
+    QGC WPL 110: home is line 0, in the global frame; the others are above home.
+    """
     file = tmp_path / "flight.waypoints"
     write_flight(flight, file, step=20, altitude=77)
     first, *lines = file.read_text().splitlines()
@@ -119,7 +128,10 @@ def test_waypoint_lines_have_twelve_cells(flight, tmp_path):
 
 @pytest.mark.parametrize("mission", [ON_EARTH, ON_A_PLANE], ids=["on Earth", "on a plane"])
 def test_a_table_has_the_path_as_it_is_sampled(mission, tmp_path):
-    """Poses and curvatures of `Path.at`; degrees are empty on a plane."""
+    """A table has the path as it is sampled.
+
+    It has the poses and curvatures of `Path.at`; degrees are empty on a plane.
+    """
     file = tmp_path / "flight.csv"
     flown = flight_of(solve(mission.scenario(radius=80, speed=16)), mission)
     assert not write_flight(flown, file, step=20)
@@ -139,7 +151,10 @@ def test_a_table_has_the_path_as_it_is_sampled(mission, tmp_path):
 
 @pytest.mark.parametrize("name", FILES)
 def test_every_file_of_a_mission_becomes_a_flight(name, tmp_path):
-    """Out in each format that its coordinates allow; the stops lie where the file has them."""
+    """Every file of a mission becomes a flight.
+
+    It is written in each format that its coordinates allow; the stops lie where the file has them.
+    """
     text, places, _ = FILES[name]
     source = tmp_path / "mission.dat"
     source.write_bytes(text if isinstance(text, bytes) else text.encode())
@@ -159,7 +174,10 @@ def test_every_file_of_a_mission_becomes_a_flight(name, tmp_path):
 
 
 def test_what_is_written_is_read_back(flight, tmp_path):
-    """By the reader of missions, which takes the stops of a map, and else every waypoint."""
+    """Written files are read back.
+
+    The reader of missions takes the stops of a map, and else every waypoint.
+    """
     waypoints = np.array(places_of(flight, 20))
     stops = np.array([(stop.lon, stop.lat) for stop in flight.stops])
     for ending in ("plan", "waypoints", "kml", "gpx", "csv"):
@@ -191,7 +209,10 @@ PLAN = "QGroundControl plan"
     [(None, "GPX", 50), (300.0, "GPX", 50), (300.0, PLAN, 300), (None, PLAN, 50)],
 )
 def test_altitudes_of_a_plan_are_above_home(altitude, source, written, tmp_path):
-    """Those above the sea are not written: ground under a map's point is no height to fly at."""
+    """Altitudes of a plan are above home.
+
+    Those above the sea are not written: ground under a map's point is no height to fly at.
+    """
     file = tmp_path / "flight.plan"
     write_flight(_flight_with(altitude, source, home=520.0), file)
     mission = json.loads(file.read_text())["mission"]
@@ -206,7 +227,10 @@ def test_altitudes_of_a_plan_are_above_home(altitude, source, written, tmp_path)
     [(PLAN, 520.0, 820.0), (PLAN, None, None), ("GPX", 520.0, 300.0)],
 )
 def test_altitudes_of_a_map_are_above_the_sea(source, home, written, tmp_path):
-    """Of a plan's points the sum with home's, or none where nobody knows that."""
+    """Altitudes of a map are above the sea.
+
+    Of a plan's points they are the sum with home's, or none where nobody knows that.
+    """
     flight = _flight_with(300.0, source, home)
     for ending in ("gpx", "kml", "csv"):
         write_flight(flight, tmp_path / f"flight.{ending}", step=100)

@@ -23,12 +23,18 @@ def results(tmp_path: FilePath) -> Callable[..., FilePath]:
 
 @pytest.fixture
 def load_rows(results: Callable[..., FilePath]) -> Callable[..., Results]:
-    """Writes a results folder below the test's own, and loads it."""
+    """Write a results folder and load it.
+
+    It lies below the test's own folder.
+    """
     return lambda *given, **manifest: load([results(*given, **manifest)])
 
 
 @pytest.fixture(autouse=True, scope="module")
 def svg_alone() -> Iterator[None]:
-    """A test that looks at PDF files draws them inside `with_pdf_files()`."""
+    """Leave PDF files out.
+
+    A test that looks at PDF files draws them inside `with_pdf_files()`.
+    """
     with without_pdf_files():
         yield

@@ -16,10 +16,10 @@ from dubins_study.solvers.registry import SolverError, load, settings
 from dubins_study.study.closed_form.shortest import shortest_path
 from dubins_study.study.judging.judge import judge
 from dubins_study.study.path import Path
-from dubins_study.study.rows.schema import ROW, SCENARIO, VERSION, arrow_schema, names
+from dubins_study.study.rows.schema import ROW, VERSION, arrow_schema
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.words import Claim
-from tests.cases import PAPER
+from tests.cases import PAPER, scenario_row
 
 SCHEMA = arrow_schema()
 
@@ -36,14 +36,17 @@ def attempt(
     claim: Claim = Claim.OPTIMAL,
     **changes: Any,
 ) -> dict[str, Any]:
-    """One row, judged; `path` is the closed form's unless given."""
+    """One judged row.
+
+    `path` is the closed form's unless given.
+    """
     given = shortest_path(scenario, branch) if isinstance(path, str) else path
     if given is None and claim is Claim.OPTIMAL:
         claim = Claim.INFEASIBLE
-    found = judge(scenario, given, claim, branch)
+    judgement = judge(scenario, given, claim, branch)
     row: dict[str, Any] = {column.name: None for column in ROW}
-    row |= {name: getattr(scenario, name) for name in names(SCENARIO)}
-    row |= vars(found)
+    row |= scenario_row(scenario)
+    row |= vars(judgement)
     row |= {
         "scenario_id": f"{hash((scenario.target_x, scenario.target_y, scenario.radius)):x}",
         "solver": solver,
@@ -86,14 +89,17 @@ _MEASURED += ("build_s", "solve_s", "wall_s", "iterations")
 
 
 def lost(scenario: Scenario, solver: str = "x", **changes: Any) -> dict[str, Any]:
-    """The row of a process that took everything with it."""
+    """The row of a process that crashed."""
     gone: dict[str, Any] = dict.fromkeys(_MEASURED)
     gone |= {"path": None, "claim": Claim.NONE, "outcome": "crashed"}
     return attempt(scenario, solver, **(gone | changes))
 
 
 def compared_row(question: int, solver: str, **changes: Any) -> dict[str, Any]:
-    """A right answer as methods are compared by it: local, no proof, 1 ms, the target outside."""
+    """A right answer for the comparison of methods.
+
+    It is local, without a proof, takes 1 ms, and has its target outside.
+    """
     return {
         **{"question": question, "scenario": question, "solver": solver, "stratum": ""},
         **{"repeat": 0, "formulation": "one NLP a word", "engine": solver, "guess": "bearing"},
@@ -111,7 +117,10 @@ def compared_row(question: int, solver: str, **changes: Any) -> dict[str, Any]:
 
 
 def _settings(spec: str) -> dict[str, Any]:
-    """A solver's settings; none of names that only a hostile row would have."""
+    """A solver's settings; none of hostile names.
+
+    Only a hostile row has such a name.
+    """
     try:
         return settings(load(spec))
     except SolverError:
@@ -121,7 +130,10 @@ def _settings(spec: str) -> dict[str, Any]:
 def write_folder(
     folder: FilePath, name: str, rows: Iterable[dict[str, Any]], **manifest: Any
 ) -> FilePath:
-    """A results folder with one part, of the section that a packaged experiment of its name has."""
+    """Write a results folder with one part.
+
+    Its section is that of the packaged experiment of its name.
+    """
     rows = list(rows)
     named = read(name).experiment.section if name in packaged() else None
     named = "benchmark" if name == "benchmark" else named
@@ -160,21 +172,23 @@ _CELL = {
 def attempts_of(
     place: FilePath, rows: pd.DataFrame, parts: Sequence[int] | None = None
 ) -> pd.DataFrame:
-    """Rows written to one folder an experiment, each row a cell of its own, and read as attempts.
+    """Write rows to folders and read them as attempts.
 
-    What is missing of a row is filled in; the index numbers the rows, and so their repeats. `parts`
-    are the numbers of the parts that the rows go to; one part if None.
+    Each experiment has a folder, and each row is a cell of its own. What is missing of a row is
+    filled in; the index numbers the rows, and so their repeats. `parts` are the numbers of the
+    parts that the rows go to; one part if None.
     """
     whole = rows.drop(columns=["repeat", "answerable"], errors="ignore").reset_index(drop=True)
     whole = whole.assign(**{name: v for name, v in _CELL.items() if name not in whole})
     whole = whole.astype(object).where(whole.notna(), None).assign(repeat=rows.index)
-    number = pd.Series(0 if parts is None else parts, index=whole.index)
+    part_numbers = 0 if parts is None else parts
+    number = pd.Series(part_numbers, index=whole.index)
     folders = []
-    for name, own in whole.groupby("experiment", sort=False):
-        records = own.drop(columns="experiment").to_dict("records")
+    for name, experiment_rows in whole.groupby("experiment", sort=False):
+        records = experiment_rows.drop(columns="experiment").to_dict("records")
         folder = write_folder(place / str(name), str(name), records)
         (folder / "parts" / "1.parquet").unlink()
-        for part, group in own.groupby(number):
+        for part, group in experiment_rows.groupby(number):
             table = pa.Table.from_pylist(group.to_dict("records"), schema=SCHEMA)
             pq.write_table(table, folder / "parts" / f"{part}.parquet")
         folders.append(folder)

@@ -1,6 +1,7 @@
-"""All attempts counted: any split of the rows in any order gives the numbers of the whole.
+"""Counts of attempts, in any split and order.
 
-Numbers are those of the rows counted another way, and of rows worked by hand.
+Any split of the rows in any order gives the numbers of the whole. Numbers are those of the rows
+counted another way, and of rows worked by hand.
 """
 
 import math
@@ -36,7 +37,10 @@ FEW = settings(max_examples=settings.default.max_examples // 20)
 
 @st.composite
 def attempts(draw):
-    """Rows with what the numbers need, in no sensible combination."""
+    """Rows with what the numbers need.
+
+    Their combination makes no sense.
+    """
     text = st.sampled_from(["", "off by 2.5", "off by 7", "singular"])
     row = st.fixed_dictionaries(
         {
@@ -89,9 +93,13 @@ def tables(counted):
 
 
 def alike(one, two):
-    """Whether attempts give the same numbers, to the last bit."""
+    """Whether attempts give the same numbers.
+
+    They are compared to the last bit.
+    """
     assert len(one) == len(two)
-    expected, given = tables(one), tables(two)
+    expected = tables(one)
+    given = tables(two)
     assert expected.keys() == given.keys()
     for name, frame in expected.items():
         pd.testing.assert_frame_equal(frame, given[name], check_exact=True)
@@ -101,7 +109,10 @@ def alike(one, two):
 @FEW
 @given(attempts(), st.randoms(use_true_random=False), st.integers(1, 6))
 def test_any_split_in_any_order_is_the_whole(rows, random, parts):
-    """Rows go to any parts, and experiments to folders in any order."""
+    """Any split in any order is the whole.
+
+    Rows go to any parts, and experiments to folders in any order.
+    """
     shuffled = rows.sample(frac=1, random_state=random.randrange(2**32))
     which = [random.randrange(parts) for _ in range(len(rows))]
     with tempfile.TemporaryDirectory() as place:
@@ -125,44 +136,50 @@ def numbers_are_those_of(found, rows):
     # trial is the scenario with a branch: experiments, initial guesses and repeats are its parts.
     weight = 1 / rows.groupby(["solver", "branch"])["solver"].transform("size")
     rows = rows.assign(weight=weight)
-    every, rows = rows, rows[rows["reference_word"].notna()]
+    every = rows
+    rows = rows[rows["reference_word"].notna()]
     lines = solver_summary(found).to_dict("records")
     # solvers that were asked nothing that has a path are left out, unless none was
     asked = set(rows["solver"]) or set(every["solver"])
     assert {line["solver"] for line in lines} == asked
     for line in lines:
-        own = rows[rows["solver"] == line["solver"]]
-        assert line["attempts"] == len(own)
-        right = own["verdict"].isin(["optimal", "none exists"])
-        assert line["questions"] == pytest.approx(own["weight"].sum(), abs=1e-5)
-        assert line["right"] == pytest.approx(own.loc[right, "weight"].sum(), abs=1e-5)
-        assert line["false_claims"] == own["false_claim"].sum()
-        assert line["not_returned"] == (own["outcome"] == "timeout").sum()
+        solver_rows = rows[rows["solver"] == line["solver"]]
+        assert line["attempts"] == len(solver_rows)
+        right = solver_rows["verdict"].isin(["optimal", "none exists"])
+        assert line["questions"] == pytest.approx(solver_rows["weight"].sum(), abs=1e-5)
+        assert line["right"] == pytest.approx(solver_rows.loc[right, "weight"].sum(), abs=1e-5)
+        assert line["false_claims"] == solver_rows["false_claim"].sum()
+        assert line["not_returned"] == (solver_rows["outcome"] == "timeout").sum()
         # a solver that never returned has solved nothing that could be timed
-        timed = own if (own["outcome"] == "returned").any() else own.iloc[:0]
+        timed = (
+            solver_rows if (solver_rows["outcome"] == "returned").any() else solver_rows.iloc[:0]
+        )
         assert line["wall_s"] == pytest.approx(timed["wall_s"].median(), nan_ok=True)
-        assert all(line[v] == (own["verdict"] == v).sum() for v in VERDICTS)
+        assert all(line[v] == (solver_rows["verdict"] == v).sum() for v in VERDICTS)
     for solver, shares in gap_shares(found).items():
         gaps = rows.loc[rows["solver"] == solver, "gap"].fillna(np.inf).clip(lower=0)
         for gap in (1e-10, 1e-4, 10.0):
             assert shares.loc[gap] == pytest.approx((gaps <= gap * (1 + 1e-12)).mean())
     for line in solver_times(found).to_dict("records"):
-        own = rows[(rows["solver"] == line["solver"]) & (rows["initial_guess"] == "cold")]
-        expected = own["solve_s"].quantile([0.25, 0.5, 0.75]).tolist()
+        solver_rows = rows[(rows["solver"] == line["solver"]) & (rows["initial_guess"] == "cold")]
+        expected = solver_rows["solve_s"].quantile([0.25, 0.5, 0.75]).tolist()
         given = [line[f"solve_s{suffix}"] for suffix in ("_q1", "", "_q3")]
         assert given == pytest.approx(expected, nan_ok=True)
     bad = rows[~rows["verdict"].isin(["optimal", "none exists", PRESOLVED])]
     table = failures(found)
     assert table["attempts"].sum() == len(bad)
-    said = [
+    messages = [
         m if isinstance(m, str) and m else s
         for m, s in zip(bad.message, bad.native_status, strict=True)
     ]
-    assert set(table["message"]) == set(map(gist, said))
+    assert set(table["message"]) == set(map(gist, messages))
 
 
 def of_gaps(gaps):
-    """Rows of one solver, one region; an infinite gap is that of a path that does not arrive."""
+    """Rows of one solver and one region.
+
+    An infinite gap is that of a path that does not arrive.
+    """
     gaps = np.where(np.isfinite(gaps), gaps, np.nan)
     base = {"experiment": "e", "verdict": "longer", "outcome": "returned", "reference_word": "LS"}
     return pd.DataFrame({**base, "gap": gaps, "region": "outside", "wall_s": 1.0})
@@ -170,7 +187,10 @@ def of_gaps(gaps):
 
 @pytest.mark.slow
 def test_the_gap_profile_of_many_gaps_is_right_to_the_last_attempt(tmp_path):
-    """Of 20 000 different gaps the share within each end is exact."""
+    """The gap profile of many gaps is exact.
+
+    Of 20 000 different gaps the share within each end is exact, to the last attempt.
+    """
     gaps = np.random.default_rng(0).lognormal(-12, 4, 20_000)
     gaps[:7] = np.inf
     counted = attempts_of(tmp_path, of_gaps(gaps))
@@ -182,7 +202,10 @@ def test_the_gap_profile_of_many_gaps_is_right_to_the_last_attempt(tmp_path):
 
 
 def frame(**columns):
-    """Rows with what the metrics need, one value for all where a scalar is given."""
+    """Rows with what the metrics need.
+
+    A scalar is the value of all rows.
+    """
     n = max(len(value) for value in columns.values() if isinstance(value, list))
     base = {
         **{"experiment": "random", "scenario_id": [str(i) for i in range(n)], "solver": "a"},
@@ -235,7 +258,10 @@ def test_the_summary_by_hand(tmp_path, name):
 
 
 def test_what_the_presolve_answered_is_no_success_of_an_engine(tmp_path):
-    """Nor a failure, but where it denies a path; by rows and by counting alike."""
+    """Answers of the presolve are no engine's success.
+
+    Nor are they its failure, but where it denies a path; by rows and by counting alike.
+    """
     rows = frame(
         verdict=["none exists"] * 3 + ["none"],
         proof=["proved", "none", "proved", "none"],
@@ -244,7 +270,8 @@ def test_what_the_presolve_answered_is_no_success_of_an_engine(tmp_path):
         gap=np.nan,
     )
     counted = attempts_of(tmp_path, rows)
-    line, proven = solver_summary(counted).iloc[0], proofs(counted).iloc[0]
+    line = solver_summary(counted).iloc[0]
+    proven = proofs(counted).iloc[0]
 
     assert metrics.success(rows).tolist() == [True, False, True, False]
     assert metrics.proof(rows).tolist() == ["proved", "none", "proved", "none"]
@@ -255,8 +282,11 @@ def test_what_the_presolve_answered_is_no_success_of_an_engine(tmp_path):
 
 
 def test_a_crash_counts_where_an_answer_exists(tmp_path):
-    """A row that lost everything still belongs to a question that has an answer, or has none: the
-    target in the left disc is reached by RS and not by LS."""
+    """A crash counts where an answer exists.
+
+    A row that lost everything still belongs to a question that has an answer, or has none: the
+    target in the left disc is reached by RS and not by LS.
+    """
     lost = {"reference_word": None, "region": None, "gap": np.nan}
     lost |= {"verdict": "none", "outcome": "crashed"}
     place = dict(zip(NUMBERS, (0.0, 0.0, 0.0, 0.5, 0.8, 1.0, 1.0), strict=True))
@@ -280,7 +310,10 @@ def test_closed_form_comes_first_and_variants_after_their_solver():
 
 
 def test_fitted_order_recovers_a_power():
-    """gap = 3 n^-2 exactly; a value at rounding level is left out."""
+    """The fitted order recovers a power.
+
+    gap = 3 n^-2 exactly; a value at rounding level is left out.
+    """
     n = np.array([10, 20, 40, 80])
     assert metrics.fitted_order([*n, 640], [*(3.0 / n**2), 1e-16]) == pytest.approx(2)
     assert math.isnan(metrics.fitted_order([10], [0.1]))

@@ -1,4 +1,7 @@
-"""The audit of the paper and of published routes: against mpmath, Ipopt itself, and brute force."""
+"""The audit of the paper and of published routes.
+
+It is compared with mpmath, Ipopt itself, and brute force.
+"""
 
 from fractions import Fraction
 from itertools import pairwise
@@ -39,7 +42,7 @@ def precise():
 
 
 def offset(problem, z1, z2, z3):
-    """(4.10) and (4.11) as the paper writes them, in mpmath."""
+    """(4.10) and (4.11) in mpmath, as in the paper."""
     heading = mpmath.mpf(problem.heading.numerator) / problem.heading.denominator
     th0 = heading * mpmath.pi
     b = mpmath.mpf(1) / problem.radius
@@ -54,7 +57,10 @@ def offset(problem, z1, z2, z3):
 
 
 def solved(problem, word):
-    """The word's z by Newton's method on (4.10) and (4.11), from the closed form in doubles."""
+    """The word's z by Newton's method.
+
+    The equations are (4.10) and (4.11); it starts from the closed form in doubles.
+    """
     near = shortest(double(problem), word).segments
     start = [float(value) * problem.radius for value in near]
 
@@ -74,7 +80,10 @@ def double(problem, radius=None):
 
 @pytest.mark.usefixtures("precise")
 def test_every_cell_to_40_digits(found):
-    """Newton's method in another library arrives at the same 40 digits."""
+    """Every cell is right to 40 digits.
+
+    Newton's method in another library arrives at the same 40 digits.
+    """
     for cell in found["cells"]:
         expected = solved(PROBLEMS[cell["label"]], cell["word"])[cell["quantity"]]
         assert mpmath.nstr(expected, 40, strip_zeros=False) == cell["exact"], cell
@@ -83,7 +92,10 @@ def test_every_cell_to_40_digits(found):
 
 
 def test_the_closed_form_in_doubles_agrees(found):
-    """To a hundred roundings of a double."""
+    """The closed form in doubles agrees.
+
+    It does to a hundred roundings of a double.
+    """
     for cell in found["cells"]:
         problem = PROBLEMS[cell["label"]]
         path = shortest_path(problem.scenario, cell["word"])
@@ -95,7 +107,10 @@ def test_the_closed_form_in_doubles_agrees(found):
 
 
 def test_seven_cells_are_no_correct_roundings():
-    """By name; z2 of table 6.1 is 1.5e-7 short of a tie."""
+    """Seven cells are no correct roundings.
+
+    They are named; z2 of table 6.1 is 1.5e-7 short of a tie.
+    """
     named = {(c["table"], c["label"], c["quantity"]): c["verdict"] for c in misprints(committed())}
     assert named == {
         ("6.1", "problem 1", "z2"): "double rounding",
@@ -111,7 +126,10 @@ def test_seven_cells_are_no_correct_roundings():
 @pytest.mark.usefixtures("precise")
 @pytest.mark.parametrize("row", PRINTED, ids=lambda row: f"{row.label} {row.word}")
 def test_the_bias_solves_the_barrier_equations(row):
-    """Gradient of f - mu sum log z along the constraints' null space, differenced by mpmath."""
+    """The bias solves the barrier equations.
+
+    The gradient of f - mu sum log z along the constraints' null space is differenced by mpmath.
+    """
     problem = PROBLEMS[row.label]
     mu = exact.IPOPT_BARRIER
     with ctx.workdps(exact.WORKING):
@@ -131,7 +149,10 @@ def test_the_bias_solves_the_barrier_equations(row):
 
 @pytest.mark.parametrize("radius", [5, 10, 25])
 def test_the_bias_is_what_ipopt_returns(radius):
-    """Model (4.12) in the paper's units with Ipopt's default options, started beside LS."""
+    """The bias is what Ipopt returns.
+
+    It solves model (4.12) in the paper's units with its default options, started beside LS.
+    """
     casadi = pytest.importorskip("casadi")
     problem = PROBLEMS[f"problem 5, R={radius}"]
     z = casadi.SX.sym("z", 3)
@@ -151,8 +172,8 @@ def test_the_bias_is_what_ipopt_returns(radius):
     got = solve(x0=[turn, 0.5, straight], lbx=0, ubx=np.inf, lbg=0, ubg=0)["x"].full().ravel()
 
     with ctx.workdps(exact.WORKING):
-        held = exact.biased(problem, "LS")
-        expected = [float(value) for value in held]
+        biased = exact.biased(problem, "LS")
+        expected = [float(value) for value in biased]
     # Ipopt stops at a complementarity near mu, not at mu: z2 to a few parts in a hundred
     assert got[1] == pytest.approx(expected[1], rel=0.05)
     assert got - [turn, 0, straight] == pytest.approx(
@@ -183,7 +204,10 @@ def driven(label, z):
 
 
 def test_no_rounding_misses_by_more_than_is_allowed(found):
-    """Random parts within half a unit stay below, and some come close."""
+    """No rounding misses by more than allowed.
+
+    Random parts within half a unit stay below, and some come close.
+    """
     generator = np.random.default_rng(1)
     for row, path in zip(PRINTED, found["paths"], strict=True):
         segments = shortest(double(PROBLEMS[row.label]), row.word).segments
@@ -214,7 +238,10 @@ def test_the_algorithm_beyond_a_turning_circle(found):
 
 @pytest.mark.slow
 def test_the_unsplit_model_is_right_in_one_disc_only(found):
-    """Model (4.12) by brute force: turn left by z1, then the shortest RS from there."""
+    """The unsplit model is right in one disc.
+
+    Model (4.12) is solved by brute force: turn left by z1, then the shortest RS from there.
+    """
     for crossing in found["algorithm"]:
         problem = next(p for p in PROBLEMS.values() if p.position == crossing["label"])
         radius = float(crossing["radius"]) * 1.0001
@@ -249,16 +276,16 @@ def test_statements_by_other_means(found):
     nu = -np.column_stack((np.cos(ends), np.sin(ends)))
     from_tangent = np.arctan(nu[:, 1] / nu[:, 0])
     final = 1 + np.cos(ends - from_tangent)  # (2.15) at the end
-    said = {statement["where"]: statement["finding"] for statement in found["statements"]}
+    findings = {statement["where"]: statement["finding"] for statement in found["statements"]}
 
-    assert f"{outside} of the 14" in said["section 2, (4.7)"]
-    assert f"{int((final > 1).sum())} of the 14" in said["after (2.8)"]
+    assert f"{outside} of the 14" in findings["section 2, (4.7)"]
+    assert f"{int((final > 1).sum())} of the 14" in findings["after (2.8)"]
     ratios = [
         max(a.length, b.length) / min(a.length, b.length) for a, b in list(pairwise(paths))[::2]
     ]
-    assert f"up to {max(ratios):.2f} times" in said["(2.4)-(2.15)"]
-    assert "14 of the 14" in said["(2.4)-(2.15)"]
-    assert said["section 6"].startswith("9 of the 9 are whole ticks")
+    assert f"up to {max(ratios):.2f} times" in findings["(2.4)-(2.15)"]
+    assert "14 of the 14" in findings["(2.4)-(2.15)"]
+    assert findings["section 6"].startswith("9 of the 9 are whole ticks")
     assert [s["where"] for s in found["statements"] if s["holds"]] == ["(4.10), (4.11)"]
 
 
@@ -275,7 +302,10 @@ ROUTES = [s for block in read("kaya").experiment.scenarios for s in scenarios(bl
 
 @pytest.mark.slow
 def test_one_published_length_is_not_the_shortest():
-    """All others are correct roundings of lengths in intervals of a relative width of 1e-9."""
+    """One published length is not the shortest.
+
+    All others are correct roundings of lengths in intervals of a relative width of 1e-9.
+    """
     records = routes.audit_routes(ROUTES)
 
     longer = [r for r in records if r["verdict"] != routes.SHORTEST]

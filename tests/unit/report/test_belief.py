@@ -1,4 +1,7 @@
-"""What claims are worth, and what is proved: made-up rows of each kind, by hand."""
+"""The worth of claims, and proofs, by hand.
+
+The rows of each kind are made up.
+"""
 
 import math
 
@@ -34,7 +37,10 @@ LENGTH = shortest_path(PLAIN).length
 
 
 def bound(factor, **changes):
-    """A claim of optimality whose bound is the shortest length times a factor."""
+    """A claim of optimality with a scaled bound.
+
+    The bound is the shortest length times a factor.
+    """
     bounds = {"lower_bound": factor * LENGTH, "reference_high": LENGTH, "false_bound": True}
     return honest(PLAIN, "scip", Claim.OPTIMAL, **bounds, **changes)
 
@@ -62,13 +68,16 @@ WORTHS = [
 
 
 def test_the_worth_of_each_claim(load_rows):
-    """Of claims about a question that has a path, and about one that has none; of bounds."""
+    """The worth of each claim.
+
+    The claims are about a question that has a path, about one that has none, and of bounds.
+    """
     presolved = honest(DISC, "scip", Claim.INFEASIBLE, None, "LS", presolved=True)
     rows = [row | {"repeat": n} for n, (row, _) in enumerate(WORTHS)]
-    made = frame(load_rows, [presolved, *rows])
-    proofs = false_proofs(made).set_index("proof")["most"].dropna()
+    table = frame(load_rows, [presolved, *rows])
+    proofs = false_proofs(table).set_index("proof")["most"].dropna()
 
-    assert made["truth"].tolist() == [worth for _, worth in WORTHS]
+    assert table["truth"].tolist() == [worth for _, worth in WORTHS]
     assert proofs.to_dict() == pytest.approx({PROOFS[0]: 0.1, PROOFS[1]: 5e-8})
 
 
@@ -84,7 +93,10 @@ def test_a_question_counts_once_however_often_it_is_asked(load_rows):
 
 
 def test_the_plainest_example_and_its_command(load_rows):
-    """The round numbers are shown; the command holds all digits of the question."""
+    """The plainest example and its command.
+
+    The round numbers are shown; the command holds all digits of the question.
+    """
     rows = [honest(s, "scip[a=1]", Claim.INFEASIBLE, None) for s in (FAR, PLAIN)]
     (line,) = false_proofs(frame(load_rows, rows)).to_dict("records")
 
@@ -117,7 +129,9 @@ ROUTE = {"via_x": np.array([0.1, -2.0]), "via_y": [3.0, 1e-7], "final_heading": 
     ],
 )
 def test_a_command_asks_the_question_again(changes, words):
-    """Negative numbers are no options; radius, heading and branch are given if they matter.
+    """A command asks the question again.
+
+    Negative numbers are no options; radius, heading and branch are given if they matter.
 
     Via points as rows hold them, and headings, which may be more than a full turn.
     """
@@ -125,7 +139,10 @@ def test_a_command_asks_the_question_again(changes, words):
 
 
 def test_the_section(load_rows):
-    """It names the liar; without false claims it says so, and has no table of them."""
+    """The section names the liar.
+
+    Without false claims it says so, and has no table of them.
+    """
     liar = load_rows("liar", [honest(PLAIN, "scip", Claim.INFEASIBLE, None)])
     good = load_rows("good", [honest(PLAIN, "scip", Claim.OPTIMAL)])
 
@@ -139,7 +156,10 @@ def test_the_section(load_rows):
 
 
 def test_a_denial_is_no_false_claim(load_rows):
-    """A local engine's word of its last point is counted apart, and only where a path exists."""
+    """A denial is no false claim.
+
+    A local engine's word of its last point is counted apart, and only where a path exists.
+    """
     local = load_rows("local", [honest(PLAIN, "ipopt", Claim.LOCALLY_INFEASIBLE, None)])
 
     section = belief_section(local)
@@ -161,7 +181,10 @@ PROVED = {
 
 
 def rows():
-    """One solver proved, with multipliers; one with a bad bound, an extremal and a lost row."""
+    """Rows of two solvers with and without proofs.
+
+    One is proved, with multipliers; the other has a bad bound, an extremal and a lost row.
+    """
     first, second, third = paper_scenarios()[:3]
     extremal = {"proof": "extremal", "false_bound": True}
     return [
@@ -174,7 +197,11 @@ def rows():
 
 
 def test_numbers_by_hand(load_rows):
-    """Counts of each word, a lost row has no proof; worst and least of what is measured."""
+    """Numbers by hand.
+
+    They are counts of each word, a lost row without a proof, and the worst and least of what is
+    measured.
+    """
     table = proofs(load_rows("tiny", rows()).attempts).set_index("solver")
     words = ["attempts", "proved", "bounded", "extremal", "none"]
 
@@ -187,21 +214,25 @@ def test_numbers_by_hand(load_rows):
 
 
 def test_multipliers_are_compared_with_costates_that_are_there(load_rows):
-    """Not of a single arc, which leaves them free, nor of a path that is no extremal or is lost."""
+    """Multipliers are compared with existing costates.
+
+    They are not of a single arc, which leaves them free, nor of a path that is no extremal or is
+    lost.
+    """
     scenario = paper_scenarios()[0]
-    kept = attempt(scenario, "slsqp", costate_error=1e-9, **PROVED)
-    made = [
-        kept,
-        kept | {"repeat": 1, "word": "L"},
-        kept | {"repeat": 2, "pmp_residual": 0.1},
-        kept | {"repeat": 3, "costate_error": None},
-        kept | {"repeat": 4, "gap": None},
+    base = attempt(scenario, "slsqp", costate_error=1e-9, **PROVED)
+    variants = [
+        base,
+        base | {"repeat": 1, "word": "L"},
+        base | {"repeat": 2, "pmp_residual": 0.1},
+        base | {"repeat": 3, "costate_error": None},
+        base | {"repeat": 4, "gap": None},
     ]
 
-    table = proofs(load_rows("tiny", made).attempts)
+    table = proofs(load_rows("tiny", variants).attempts)
 
     assert table[["attempts", "multipliers", "costate_error"]].to_numpy().tolist() == [[5, 1, 1e-9]]
-    for row in made[1:]:
+    for row in variants[1:]:
         alone = proofs(load_rows(f"only-{row['repeat']}", [row]).attempts)
         assert alone["multipliers"].tolist() == [0]
 

@@ -1,4 +1,7 @@
-"""Colours and markers: contrast on both pages, distance for every reader, a rule for plug-ins."""
+"""Colours and markers of solvers.
+
+They have contrast on both pages, distance for every reader, and a rule for plug-ins.
+"""
 
 import re
 from itertools import combinations
@@ -44,7 +47,10 @@ GREY = np.array([0.2126, 0.7152, 0.0722])  # luminance of linear light
 
 
 def paper_of(mode):
-    """The page's background in a mode, as its style sheet has it."""
+    """The page's background in a mode.
+
+    It is read from the style sheet.
+    """
     folder = Path(page.__file__).parent / "templates"
     sheets = sorted(folder.rglob("*.css"))
     papers = re.findall(r"--paper: (#[0-9a-f]{6})", "".join(s.read_text("utf-8") for s in sheets))
@@ -64,7 +70,10 @@ def contrast(first, second):
 
 
 def oklab(light):
-    """OKLab of linear light (Ottosson 2020, "A perceptual color space for image processing")."""
+    """OKLab of linear light.
+
+    Ottosson 2020, "A perceptual color space for image processing".
+    """
     cones = np.array(
         [
             [0.4122214708, 0.5363325363, 0.0514459929],
@@ -83,7 +92,10 @@ def oklab(light):
 
 
 def test_the_measures_agree_with_published_values():
-    """White on black is 21 to 1; OKLab of white and of pure red as its author prints them."""
+    """The measures agree with published values.
+
+    White on black is 21 to 1; OKLab of white and of pure red is as its author prints it.
+    """
     assert contrast("#ffffff", "#000000") == pytest.approx(21)
     assert oklab(linear("#ffffff")) == pytest.approx([1, 0, 0], abs=1e-6)
     assert oklab(linear("#ff0000")) == pytest.approx([0.6280, 0.2249, 0.1258], abs=1e-4)
@@ -92,7 +104,10 @@ def test_the_measures_agree_with_published_values():
 @pytest.mark.parametrize("mode", MODES)
 @pytest.mark.parametrize("name", [*HUES, *range(len(ENGINE_HUES))])
 def test_every_hue_has_contrast_on_its_page(name, mode):
-    """Graphical objects need 3 to 1, on the background that the style sheet states."""
+    """Every hue has contrast on its page.
+
+    Graphical objects need 3 to 1, on the background that the style sheet states.
+    """
     hue = HUES[name] if isinstance(name, str) else ENGINE_HUES[name]
 
     assert contrast(getattr(hue, mode), paper_of(mode)) >= LEAST_CONTRAST
@@ -101,7 +116,10 @@ def test_every_hue_has_contrast_on_its_page(name, mode):
 @pytest.mark.parametrize("mode", MODES)
 @pytest.mark.parametrize("sight", SIGHTS)
 def test_engines_differ_for_every_reader(sight, mode):
-    """In either mode no two engines' hues look alike, red-green blindness included."""
+    """Engines differ for every reader.
+
+    In either mode no two engines' hues look alike, red-green blindness included.
+    """
     seen = [oklab(np.clip(SIGHTS[sight] @ linear(getattr(hue, mode)), 0, 1)) for hue in ENGINE_HUES]
     distances = [np.linalg.norm(a - b) for a, b in combinations(seen, 2)]
 
@@ -112,14 +130,20 @@ def test_engines_differ_for_every_reader(sight, mode):
     "marks", [plane.WORDS, plane.ANSWERS, ladder.MARKS, basins.MARKS, [*GAPS.values()]]
 )
 def test_kinds_of_a_map_differ_in_grey_print(marks):
-    """By their marker, or by a twentieth of the range from black to white, as it is seen."""
+    """Kinds of a map differ in grey print.
+
+    They differ by their marker, or by a twentieth of the range from black to white, as it is seen.
+    """
     for one, other in combinations(marks, 2):
         greys = [oklab(np.full(3, linear(mark.colour) @ GREY))[0] for mark in (one, other)]
         assert one.marker != other.marker or abs(greys[0] - greys[1]) > 0.05, (one.key, other.key)
 
 
 def test_every_colour_of_a_figure_has_one_variable():
-    """Two kinds that share a value on the light page could not differ on the dark one."""
+    """Every colour of a figure has one variable.
+
+    Two kinds that share a value on the light page could not differ on the dark one.
+    """
     lights = [hue.light for hue in (*HUES.values(), *ENGINE_HUES)]
     fixed = {style.INK, style.MUTED, style.RULE, style.PAPER, style.ON_MAP, style.MAP_PAPER}
 
@@ -139,7 +163,10 @@ SPECS = ["slsqp", "analytic", "turn-rate-qp[n=50]", "turn-rate-qp", "ipopt", "my
 
 
 def test_solvers_differ_in_marker_and_variants_in_line():
-    """What grey print keeps tells them apart; variants share their solver's hue."""
+    """Solvers differ in marker, variants in line.
+
+    What grey print keeps tells them apart; variants share their solver's hue.
+    """
     looks = Palette.of(SPECS).looks(SPECS)
     plain, variant = looks["turn-rate-qp"], looks["turn-rate-qp[n=50]"]
 
@@ -150,7 +177,10 @@ def test_solvers_differ_in_marker_and_variants_in_line():
 
 
 def test_many_plug_ins_differ():
-    """Hue and marker together repeat only where nobody could tell more apart."""
+    """Many plug-ins differ.
+
+    Hue and marker together repeat only where nobody could tell more apart.
+    """
     specs = [f"solver-{i}" for i in range(40)]
     looks = Palette.of(specs).looks(specs)
 
@@ -158,7 +188,10 @@ def test_many_plug_ins_differ():
 
 
 def test_a_page_draws_a_solver_as_its_engine(load_rows):
-    """Another page with other solvers, or rows in another order, draws the engine alike."""
+    """A page draws a solver as its engine.
+
+    Another page with other solvers, or rows in another order, draws the engine alike.
+    """
     scenario = Scenario(0, 0, 0, 4, 1)
     specs = {"nlp[engine=alpaqa]": "alpaqa", "collocation[n=9]": "Ipopt", "mine": "my engine"}
     rows = [attempt(scenario, spec, engine=engine) for spec, engine in specs.items()]

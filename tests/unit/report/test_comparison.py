@@ -1,4 +1,7 @@
-"""The comparison of methods, and what evaluations and seconds go to: by hand on made-up rows."""
+"""The comparison of methods and of their costs.
+
+Numbers are worked by hand on made-up rows: what evaluations and seconds go to.
+"""
 
 from functools import partial
 
@@ -32,7 +35,10 @@ def answer(scenario, solver, seconds, right=True, **changes):
 
 
 def answers():
-    """Ipopt and SLSQP on two formulations: 2 and 1 ms on words, 4 ms and half wrong jointly."""
+    """Answers of Ipopt and SLSQP on two formulations.
+
+    They take 2 and 1 ms on words; jointly they take 4 ms and half are wrong.
+    """
     rows = []
     for number, scenario in enumerate(QUESTIONS):
         ipopt, slsqp = {"engine": "Ipopt"}, {"engine": "SLSQP"}
@@ -55,7 +61,7 @@ def answers():
 
 @pytest.fixture
 def asked(load_rows):
-    """Results of a run with a limit of 2 s an attempt."""
+    """Results of a run with 2 s an attempt."""
     return lambda rows, name="benchmark": load_rows(name, rows, time_limit_s=2.0)
 
 
@@ -68,9 +74,12 @@ def test_costs_leave_out_the_closed_form_and_who_met_too_few(asked):
 
 
 def test_means_ranks_and_shares(asked):
-    """By hand: half the questions at the limit of 2 s."""
-    made = compared(asked(answers()))
-    ranked, shift = mean_ranks(made)
+    """Means, ranks and shares by hand.
+
+    Half the questions are at the limit of 2 s.
+    """
+    comparison = compared(asked(answers()))
+    ranked, shift = mean_ranks(comparison)
     joint = ranked.loc["ipopt[model=joint]"]
     joint_times = [4e-3 * (1 + n / 100) for n in range(0, 12, 2)]
 
@@ -84,27 +93,36 @@ def test_means_ranks_and_shares(asked):
 
 @pytest.mark.parametrize("limit_s", [None, 4.0])
 def test_a_late_answer_is_a_failure_everywhere(asked, limit_s):
-    """Right after 3 s counts as wrong after 2 s, in shares, counts and means; a row's own limit
-    goes before the run's."""
+    """A late answer is a failure everywhere.
+
+    Right after 3 s counts as wrong after 2 s, in shares, counts and means; a row's own limit goes
+    before the run's.
+    """
     rows = [answer(q, "slsqp", 1e-3, right=True, limit_s=limit_s) for q in QUESTIONS]
     rows += [answer(q, "ipopt", 3.0, right=True, limit_s=limit_s) for q in QUESTIONS[:3]]
     rows += [answer(q, "ipopt", 1e-3, right=True, limit_s=limit_s) for q in QUESTIONS[3:]]
     results = asked(rows)
-    made = compared(results)
+    comparison = compared(results)
     counts = solver_summary(results.attempts).set_index("solver").loc["ipopt"]
     lost = 3 if limit_s is None else 0
 
-    assert made.rows.groupby("solver")["right"].sum().to_dict() == {"ipopt": 12 - lost, "slsqp": 12}
-    assert np.isinf(times(made)["ipopt"]).sum() == lost
-    assert mean_ranks(made)[0].loc["ipopt", "right"] == pytest.approx(1 - lost / 12)
+    assert comparison.rows.groupby("solver")["right"].sum().to_dict() == {
+        "ipopt": 12 - lost,
+        "slsqp": 12,
+    }
+    assert np.isinf(times(comparison)["ipopt"]).sum() == lost
+    assert mean_ranks(comparison)[0].loc["ipopt", "right"] == pytest.approx(1 - lost / 12)
     assert (counts["right"], counts["late"], counts["optimal"]) == (12 - lost, lost, 12 - lost)
     assert failures(results.attempts)["attempts"].sum() == lost
 
 
 def test_paired_tests_share_a_formulation(asked):
-    """Twelve wins of twelve: p = 2 / 2^12 by the exact sign test."""
-    made = compared(asked(answers()))
-    (test,) = formulation_tests(times(made), mean_ranks(made)[0]).to_dict("records")
+    """Paired tests share a formulation.
+
+    Twelve wins of twelve: p = 2 / 2^12 by the exact sign test.
+    """
+    comparison = compared(asked(answers()))
+    (test,) = formulation_tests(times(comparison), mean_ranks(comparison)[0]).to_dict("records")
 
     assert (test["formulation"], test["solver"], test["rival"]) == (WORD, "slsqp", "ipopt")
     assert (test["wins"], test["losses"]) == (12, 0)
@@ -146,8 +164,11 @@ def outside():
 
 
 def costly(scenario, solver="ipopt", **changes):
-    """Four words: 10 of 200 evaluations are those of the winning run, 5 lie outside of all."""
-    made = {
+    """Four words with counted evaluations.
+
+    10 of 200 are those of the winning run, 5 lie outside of all.
+    """
+    columns = {
         "engine": "Ipopt",
         "subproblems": "LS RS LR RL",
         "subproblem_runs": [3.0, 1.0, 5.0, 5.0],
@@ -160,7 +181,7 @@ def costly(scenario, solver="ipopt", **changes):
         "solve_s": 0.2,
         "wall_s": 0.23,
     }
-    return attempt(scenario, solver, claim=Claim.LOCAL, **(made | changes))
+    return attempt(scenario, solver, claim=Claim.LOCAL, **(columns | changes))
 
 
 presolved = partial(costly, solver="ipopt[presolve=True]")
@@ -173,8 +194,8 @@ def attempts(load_rows):
 
 
 def test_every_evaluation_and_second_has_one_kind(attempts):
-    made = attempts([costly(scenario) for scenario in outside()])
-    parts = split(made)
+    comparison = attempts([costly(scenario) for scenario in outside()])
+    parts = split(comparison)
     numbers = {
         "evaluations": [10, 190, 0, 5, 205],
         "seconds": [0.01, 0.19, 0.02, 0.01, 0.23],
@@ -189,21 +210,27 @@ def test_every_evaluation_and_second_has_one_kind(attempts):
 
 
 def test_shares(load_rows):
-    """190 of 205 evaluations everywhere; the presolve's twin is known."""
+    """Shares of evaluations.
+
+    Other runs have 190 of 205 evaluations in all; the presolve's twin is known.
+    """
     results = load_rows(
         "benchmark", [make(scenario) for scenario in outside() for make in (costly, presolved)]
     )
-    made = compared(results)
+    comparison = compared(results)
     names = [block.name for block in cost_section(results).blocks]
-    part = shares(made, split(made)["evaluations"]).loc["ipopt"]
+    part = shares(comparison, split(comparison)["evaluations"]).loc["ipopt"]
 
     assert names == ["cost-evaluations", "cost-seconds"]
-    assert presolve_pairs(made.engines) == [("ipopt", "ipopt[presolve=True]")]
+    assert presolve_pairs(comparison.engines) == [("ipopt", "ipopt[presolve=True]")]
     assert part["other runs"] == pytest.approx(190 / 205)
 
 
 def test_wrong_answers_and_engines_that_do_not_count(attempts):
-    """Only right answers have a winning run; without counts the seconds still do."""
+    """Wrong answers have no winning run.
+
+    Only right answers have one; without an engine's counts the seconds still do.
+    """
     first, second, *_ = outside()
     uncounted = costly(
         first,
@@ -212,9 +239,9 @@ def test_wrong_answers_and_engines_that_do_not_count(attempts):
         subproblem_evaluations=[float("nan")] * 4,
     )
     wrong = attempt(second, "ipopt", path=None, claim=Claim.FAILED, best_run_s=0.5)
-    made = attempts([uncounted, wrong])
-    parts = split(made)
+    comparison = attempts([uncounted, wrong])
+    parts = split(comparison)
 
     assert parts["evaluations"]["total"].isna().all()
     assert parts["seconds"]["total"].tolist() == [0.23]
-    assert shares(made, parts["evaluations"]).empty
+    assert shares(comparison, parts["evaluations"]).empty

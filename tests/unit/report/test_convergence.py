@@ -1,4 +1,7 @@
-"""Orders of convergence, and the convex problems of a sequence: numbers by hand, sections."""
+"""Orders of convergence and sequences' convex problems.
+
+Numbers are worked by hand; the sections are read.
+"""
 
 import math
 
@@ -26,19 +29,22 @@ RAW = "collocation[n={},points=2,mesh=equal,correct=False]"
 
 
 def rows():
-    """A QP of order 3 outside and 2 in the disc; collocation that misses with order 3."""
-    made = []
+    """Rows of a QP and of collocation.
+
+    The QP has order 3 outside and 2 in the disc; collocation misses with order 3.
+    """
+    attempts = []
     for n in (10, 20, 40):
         for where, p in ((FAR, 3), (NEAR, 2)):
-            made += [
+            attempts += [
                 attempt(scenario, f"turn-rate-qp[n={n}]", gap=factor / n**p, wall_s=n / 1e3)
                 for scenario, factor in zip(where, (1.0, 2.0, 4.0), strict=True)
             ]
-        made += [
+        attempts += [
             attempt(scenario, RAW.format(n), gap=None, miss=1.0 / n**3, verdict="misses")
             for scenario in FAR
         ]
-    return made
+    return attempts
 
 
 @pytest.fixture
@@ -51,7 +57,10 @@ def attempts_of(load_rows):
 
 
 def test_orders_by_hand(attempts_of):
-    """Powers made up are powers found; the median is the middle target's."""
+    """Orders by hand.
+
+    Powers made up are powers found; the median is the middle target's.
+    """
     attempts = attempts_of(rows())
     table = medians(attempts).set_index(["series", "place", "size"])
     found = orders(medians(attempts)).groupby(["series", "place", "measure"])["order"].first()
@@ -63,11 +72,14 @@ def test_orders_by_hand(attempts_of):
 
 
 def test_what_does_not_arrive_is_infinitely_far_off(attempts_of):
-    """Two of three lost at the finest n: the median is infinite there, and the order is of the
-    rest."""
+    """A path that does not arrive is infinitely off.
+
+    Two of three are lost at the finest n: the median is infinite there, and the order is of the
+    rest.
+    """
     lost = [row | {"gap": None} for row in rows()[:3]]  # n = 10 outside
-    made = [*lost[:2], *rows()[2:]]
-    table = medians(attempts_of(made))
+    attempts = [*lost[:2], *rows()[2:]]
+    table = medians(attempts_of(attempts))
     line = table[(table["place"] == "outside") & (table["size"] == 10)].iloc[0]
 
     assert line["value"] == math.inf
@@ -90,21 +102,27 @@ def test_a_figure_names_the_order_of_each_line(load_rows):
 
 
 def frozen(engine, label, wall_s, interface="own", verdict="optimal", repeat=0, **changes):
-    """A judged attempt at a frozen problem, at the tolerance 1e-6."""
+    """A judged attempt at a frozen problem.
+
+    Its tolerance is 1e-6.
+    """
     spec = f"convex[engine={engine.lower()},interface={interface}]"
     named = {"scenario_id": label, "label": label, "branch": "frozen", "verdict": verdict}
     given = {"engine": engine, "formulation": "frozen convex problem", "tolerance": 1e-6}
-    found = {"miss": 1e-9, "dual_residual": 1e-9, "duality_gap": 1e-9, "reference_low": 0.0}
+    residuals = {"miss": 1e-9, "dual_residual": 1e-9, "duality_gap": 1e-9, "reference_low": 0.0}
     times = {"wall_s": wall_s, "floor_s": 1e-4, "repeat": repeat, "limit_s": 2.0}
     return attempt(
         paper_scenarios()[0],
         spec,
-        **(named | given | found | times | {"claim": Claim.OPTIMAL} | changes),
+        **(named | given | residuals | times | {"claim": Claim.OPTIMAL} | changes),
     )
 
 
 def frozen_rows():
-    """PIQP is right and slow, OSQP quick and wrong once, SCS right once; Clarabel has a tube."""
+    """Rows of four convex engines.
+
+    PIQP is right and slow, OSQP quick and wrong once, SCS right once; Clarabel has a tube.
+    """
     return [
         *(frozen("PIQP", "qp-50-well", s, repeat=n) for n, s in enumerate((0.1, 0.2, 0.4))),
         frozen("PIQP", "qp-50-random-6-0", 0.3),
@@ -122,14 +140,18 @@ FALSE = {"dual_residual": 1e-3, "false_claim": True, "claim": "optimal"}
 
 
 def test_convex_problems_by_hand(load_rows):
-    """Shares, means with failures at the limit, and the counts in the text."""
+    """Convex problems by hand.
+
+    Computed are shares, means with failures at the limit, and the counts in the text.
+    """
     results = load_rows("convex", frozen_rows())
     rows = with_parts(results.rows)
-    own = rows[rows["interface"] == "own"]
-    methods = by_method(own).set_index(["family", "name"])
+    direct = rows[rows["interface"] == "own"]
+    methods = by_method(direct).set_index(["family", "name"])
     section = convex_section(results)
     profiles, engines = section.blocks
-    shift, limit = shift_of(own), own["limit_s"].max()
+    shift = shift_of(direct)
+    limit = direct["limit_s"].max()
     lines = engines.frame.set_index(["family", "name"])
 
     assert methods["right"].to_dict() == {
@@ -153,7 +175,10 @@ def test_convex_problems_by_hand(load_rows):
 
 
 def test_convex_problems_of_another_machine_have_no_picture(results, tmp_path):
-    """Their times rank nothing. How many are right is still said."""
+    """Another machine's convex problems have no picture.
+
+    Their times rank nothing. How many are right is still said.
+    """
     ours = results("convex", [attempt(paper_scenarios()[0])])
     theirs = [row | {"machine": "another"} for row in frozen_rows()]
     section = convex_section(load([ours, write_folder(tmp_path / "theirs", "convex", theirs)]))
@@ -164,7 +189,10 @@ def test_convex_problems_of_another_machine_have_no_picture(results, tmp_path):
 
 
 def test_a_floor_beside_a_time_is_said(load_rows):
-    """A star where more than half of the mean time is the time of a problem of one variable."""
+    """A floor beside a time is marked.
+
+    There is a star where more than half of the mean time is the time of a problem of one variable.
+    """
     rows = [
         frozen(name, "qp-50-well", 0.01, floor_s=s)
         for name, s in {"PIQP": 6e-3, "OSQP": 4e-3}.items()

@@ -1,4 +1,7 @@
-"""Where engines err and where they stop; a plug-in's solver: its name, its place, its look."""
+"""Where engines err, and a plug-in among them.
+
+A plug-in's solver has its name, its place and its look.
+"""
 
 import pandas as pd
 import pytest
@@ -24,27 +27,32 @@ WORDS = ("one NLP a word", "words")
 
 
 def row(question, solver, **changes):
-    made = {"experiment": "leg", "guesses": "words", "outcome": "returned"} | changes
-    return compared_row(question, solver, **made)
+    columns = {"experiment": "leg", "guesses": "words", "outcome": "returned"} | changes
+    return compared_row(question, solver, **columns)
 
 
 def test_the_surest_is_the_one_with_the_highest_lower_end():
-    """All of 4 are less sure than 39 of 40; of two the faster; a sample displaces no whole."""
+    """The surest has the highest lower end.
+
+    All of 4 are less sure than 39 of 40; of two the faster is taken; a sample displaces no whole.
+    """
     rows = [row(q, "few") for q in range(4)]
     rows += [row(q, "many", right=q > 0) for q in range(40)]
     rows += [row(q, "slow", right=q > 0, wall_s=9.0) for q in range(40)]
     rows += [row(q, "sample", experiment="pose") for q in range(19)]
     rows += [row(q, "whole", experiment="pose", right=q > 9) for q in range(40)]
-    found = best_supported(pd.DataFrame(rows))
+    best = best_supported(pd.DataFrame(rows))
 
-    assert found.loc[("leg", *WORDS), "solver"] == "many"
-    assert found.loc[("pose", *WORDS), "solver"] == "whole"
+    assert best.loc[("leg", *WORDS), "solver"] == "many"
+    assert best.loc[("pose", *WORDS), "solver"] == "whole"
     low = binomtest(39, 40).proportion_ci(method="wilson").low
-    assert found.loc[("leg", *WORDS), "low"] == pytest.approx(low)
+    assert best.loc[("leg", *WORDS), "low"] == pytest.approx(low)
 
 
 def test_every_attempt_ends_in_one_way():
-    """Two engines of one formulation; a right answer that came late is late, not right.
+    """Every attempt ends in one way.
+
+    Two engines have one formulation; a right answer that came late is late, not right.
 
     Attempts that were not made can make no false claim.
     """
@@ -62,7 +70,10 @@ def test_every_attempt_ends_in_one_way():
 
 
 def test_an_engine_stops_where_it_is_right_on_half_or_fewer():
-    """By the engine that goes furthest; a spacing at which none begins is 0."""
+    """An engine stops at half right or fewer.
+
+    The engine that goes furthest counts; a spacing at which none begins is 0.
+    """
     rows = []
     for label, most in (("long", 5), ("short", 0)):
         for legs in (1, 2, 5, 10):
@@ -73,8 +84,8 @@ def test_an_engine_stops_where_it_is_right_on_half_or_fewer():
                 rows.append(row(q, "b", label=label, via_x=via, right=False))
     plain = pd.DataFrame([row(q, "a", label="leg") for q in range(4)])
 
-    found = stops(pd.DataFrame(rows), ["short", "long"])
-    assert found == {WORDS: "0, 5"}
+    limits = stops(pd.DataFrame(rows), ["short", "long"])
+    assert limits == {WORDS: "0, 5"}
     assert stops(plain, ["leg"]) == {}
 
 
@@ -90,7 +101,10 @@ def _asked(section):
 
 
 def test_a_report_without_a_benchmark_answers_too_and_a_benchmark_alone(results):
-    """With a benchmark on the page the table is of its rows; its lines name what can be typed."""
+    """A report answers with a benchmark or without.
+
+    With a benchmark on the page the table is of its rows; its lines name what can be typed.
+    """
     scenarios = paper_scenarios()
     bench = results("benchmark", [attempt(s, "slsqp") for s in scenarios])
     ours = {"formulation": "one NLP a word", "engine": "Ipopt"}
@@ -107,7 +121,10 @@ def test_a_report_without_a_benchmark_answers_too_and_a_benchmark_alone(results)
 
 
 def test_a_report_without_anything_to_compare_says_so(results):
-    """Only warm attempts, or one solver."""
+    """Reports without a comparison say so.
+
+    They have only warm attempts, or one solver.
+    """
     scenarios = paper_scenarios()[:2]
     warm = _section([results("warm", [attempt(s, initial_guess="warm") for s in scenarios])])
     only = _section([results("only", [attempt(s) for s in scenarios])])
@@ -118,8 +135,11 @@ def test_a_report_without_anything_to_compare_says_so(results):
 
 
 def test_titles_of_sections_become_links():
-    """To the section of that title, on its page; plain where there are several, a note where there
-    is none."""
+    """Titles of sections become links.
+
+    The link is to the section of that title, on its page. The title is plain where there are
+    several, and a note where there is none.
+    """
     page = "index.html"
     sections = [
         Section("paths", "The paper's figures", "", (), place=Place.PAPER),
@@ -140,21 +160,27 @@ def test_titles_of_sections_become_links():
         assert linked(title, sections, page) == link
 
 
-MINE, VARIANT = "my_solver.py:MySolver", "my_solver.py:MySolver[guesses=8]"
+MINE = "my_solver.py:MySolver"
+VARIANT = "my_solver.py:MySolver[guesses=8]"
 
 
 def rows(questions: int, *specs: str) -> list[dict[str, object]]:
-    """Three engines and some solvers of a file; the file's are wrong at every other question."""
-    made = []
+    """Three engines and a file's solvers.
+
+    The file's are wrong at every other question.
+    """
+    attempts = []
     for number in range(questions):
         scenario = Scenario(target_x=4 + number, target_y=2)
         lost = {"path": astray(scenario)} if number % 2 else {}
-        made += [attempt(scenario, formulation="closed form", engine="closed form", guess="none")]
+        attempts += [
+            attempt(scenario, formulation="closed form", engine="closed form", guess="none")
+        ]
         for name, engine in (("ipopt", "Ipopt"), ("slsqp", "SLSQP")):
-            made.append(attempt(scenario, name, claim=Claim.LOCAL, engine=engine))
+            attempts.append(attempt(scenario, name, claim=Claim.LOCAL, engine=engine))
         method = {"engine": "SciPy least_squares", "formulation": WORDS[0], "claim": Claim.LOCAL}
-        made += [attempt(scenario, spec, **method, **lost) for spec in specs]
-    return made
+        attempts += [attempt(scenario, spec, **method, **lost) for spec in specs]
+    return attempts
 
 
 def test_it_is_named_by_its_own_name(load_rows):
@@ -167,7 +193,10 @@ def test_it_is_named_by_its_own_name(load_rows):
 
 
 def test_it_stands_first(load_rows):
-    """In tables of methods, and of solvers."""
+    """It stands first in tables.
+
+    They are tables of methods, and of solvers.
+    """
     results = load_rows("mine", rows(ENOUGH_TO_CHOOSE, MINE))
     (decided, *_) = decision_section(results).blocks
 
@@ -177,7 +206,10 @@ def test_it_stands_first(load_rows):
 
 
 def test_it_is_drawn_where_few_of_many_are(load_rows):
-    """With a hue that no engine has, however many methods are better; a second one has another."""
+    """It is drawn where few of many are.
+
+    It has a hue that no engine has, however many methods are better; a second one has another.
+    """
     other = "my_solver.py:Other"
     looks = Palette.of_page(load_rows("mine", rows(2, MINE, other))).looks([MINE, other, "ipopt"])
 
@@ -187,7 +219,10 @@ def test_it_is_drawn_where_few_of_many_are(load_rows):
 
 
 def test_it_takes_no_place_of_others_claims(load_rows, monkeypatch):
-    """Among the bars of claims the engines are those that stand there without it."""
+    """It takes no place of others' claims.
+
+    Among the bars of claims the engines are those that stand there without it.
+    """
     monkeypatch.setattr("dubins_study.report.topics.belief._MOST_BARS", 1)
     bars = {}
     for specs in ((), (MINE,)):
@@ -198,7 +233,10 @@ def test_it_takes_no_place_of_others_claims(load_rows, monkeypatch):
 
 
 def test_few_questions_choose_no_winner(load_rows, monkeypatch):
-    """Then every method has a line; with enough questions the best-supported engine of its kind.
+    """Few questions choose no winner.
+
+    Then every method has a line; with enough questions it is the best-supported engine of its
+    kind.
 
     Unless a reader's own solver is there, and few others: they are what it was put beside.
     """
@@ -226,7 +264,10 @@ def test_few_questions_choose_no_winner(load_rows, monkeypatch):
 @pytest.mark.slow
 @pytest.mark.parametrize(("title", "heading"), [("My trial", "My trial"), ("", "trial")])
 def test_the_heading_is_the_experiments(results, tmp_path, title, heading):
-    """Title and question of one experiment; of several the report's."""
+    """The heading is the experiment's.
+
+    It has title and question of one experiment; of several it is the report's.
+    """
     definition = {"name": "trial", "title": title, "question": "Is it mine?", "text": "a = 1"}
     mine = results("trial", rows(1, MINE), experiment=definition)
     page = render([mine], tmp_path / "one").read_text(encoding="utf-8")

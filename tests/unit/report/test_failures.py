@@ -1,4 +1,7 @@
-"""Failures and answers where no path exists: counted by hand; and what is no failure."""
+"""Failures, and answers where no path exists.
+
+They are counted by hand; some outcomes are no failures.
+"""
 
 import math
 import shlex
@@ -33,7 +36,10 @@ def silent(scenario, solver, outcome, **changes):
 
 
 def rows():
-    """Two timeouts, a crash, a miss, two that say they failed, and seven right answers."""
+    """Rows with failures and right answers.
+
+    They are two timeouts, a crash, a miss, two that say they failed, and seven right answers.
+    """
     misses = {"path": astray(IN_DISC, 0.1), "message": "off by 7.5"}
     failed = [
         attempt(where, "b", path=None, claim=Claim.FAILED, message=f"off by {k}.5e-0{k}", repeat=k)
@@ -53,12 +59,15 @@ def rows():
 
 @pytest.fixture
 def folder(results):
-    """The rows in a folder whose run had a limit of 1.5 s an attempt."""
+    """The rows' folder, with 1.5 s an attempt."""
     return results("e", rows(), time_limit_s=1.5)
 
 
 def test_messages_that_differ_in_numbers_are_one(folder):
-    """Stopped ones first; the example is the first repeat, then the nearest target."""
+    """Messages that differ in numbers are one.
+
+    Stopped ones come first; the example is the first repeat, then the nearest target.
+    """
     table = failures(load([folder]).attempts)
     lines = table.set_index(["solver", "outcome", "verdict"])
 
@@ -67,8 +76,8 @@ def test_messages_that_differ_in_numbers_are_one(folder):
     stopped = lines.loc[("a", "timeout", "none")]
     assert (stopped["message"], stopped["attempts"]) == ("stopped after # s; the limit is # s", 2)
     assert (stopped["target_x"], stopped["target_y"]) == (2, 2.5)
-    said = lines.loc[("b", "returned", "none")]
-    assert (said["message"], said["attempts"], said["repeat"]) == ("off by #", 2, 1)
+    line = lines.loc[("b", "returned", "none")]
+    assert (line["message"], line["attempts"], line["repeat"]) == ("off by #", 2, 1)
 
 
 def test_the_section_counts_and_its_commands_repeat_a_failure(folder, tmp_path):
@@ -86,7 +95,10 @@ def test_the_section_counts_and_its_commands_repeat_a_failure(folder, tmp_path):
 
 
 def test_without_failures_a_sentence(load_rows):
-    """No table where nothing failed, nothing was asked, or none exists and that was found."""
+    """Without failures there is a sentence.
+
+    There is no table where nothing failed, nothing was asked, or none exists and that was found.
+    """
     good = failures_section(load_rows("good", [attempt(NEAR), attempt(FAR)]))
     none = failures_section(load_rows("none", [attempt(IN_DISC, branch="LS")]))
 
@@ -98,7 +110,10 @@ def test_without_failures_a_sentence(load_rows):
 
 
 def rows_with(undecided: int) -> list[dict[str, object]]:
-    """Three right attempts of a solver, and some that are undecided."""
+    """Right and undecided attempts of a solver.
+
+    Three are right.
+    """
     scenarios = paper_scenarios()
     rows = [attempt(scenario, "ipopt", claim=Claim.LOCAL) for scenario in scenarios[:3]]
     for scenario in scenarios[3 : 3 + undecided]:
@@ -127,7 +142,10 @@ def test_no_share_counts_them(load_rows, undecided):
 
 
 def test_an_open_question_is_left_out_for_every_solver(load_rows):
-    """A good answer there is undecided and no trial; a bad one must be none either."""
+    """An open question is left out for everyone.
+
+    A good answer there is undecided and no trial; a bad one must be none either.
+    """
     rows = rows_with(1)
     rows.append(rows[-1] | {"solver": "slsqp", "verdict": "longer"})
     attempts = load_rows("run", rows).attempts
@@ -138,7 +156,10 @@ def test_an_open_question_is_left_out_for_every_solver(load_rows):
 
 
 def test_a_comparison_leaves_them_out(load_rows):
-    """A question that was right and is undecided now is not lost."""
+    """A comparison leaves open questions out.
+
+    A question that was right and is undecided now is not lost.
+    """
     base, new = load_rows("base", rows_with(0)), load_rows("new", rows_with(2)[1:])
 
     assert len(pairs(base, new)) == 2
@@ -150,7 +171,10 @@ def not_taken(scenario, solver="ipopt"):
 
 
 def test_a_question_that_a_solver_does_not_take_is_no_failure(load_rows, results):
-    """All numbers are those of the run in which it was not asked, and a sentence tells them."""
+    """A question that is not taken is no failure.
+
+    All numbers are those of the run in which it was not asked, and a sentence tells them.
+    """
     scenarios = paper_scenarios()
     asked = [attempt(s, "ipopt", claim=Claim.LOCAL) for s in scenarios[:3]]
     asked.append(lost(scenarios[3], "ipopt", outcome="timeout"))
@@ -181,7 +205,10 @@ OUTSIDE = [Scenario(0, 0, 0, x, 1.0) for x in (3.0, 4.0, 5.0)]
 
 
 def ask(scenario, claim, path=None, **changes):
-    """An engine's answer to LS; the scenario's place names it."""
+    """An engine's answer to LS.
+
+    The scenario's place names it.
+    """
     changes = {"scenario_id": f"{scenario.target_x:g}"} | changes
     return attempt(scenario, "b", "LS", path=path, claim=claim, **changes)
 
@@ -233,7 +260,10 @@ def test_the_counts_by_hand(load_rows, made, expected):
 
 
 def test_the_section_marks_what_is_wrong_and_says_who_denies(load_rows):
-    """A denial is told in the text with its share; both kinds of error are marked."""
+    """The section marks errors and names deniers.
+
+    A denial is told in the text with its share; both kinds of error are marked.
+    """
     section = existence_section(load_rows("e", answers()))
     (table,) = section.blocks
     wrong = [key for (_, key), mark in table.marks.items() if mark == "bad"]
@@ -245,12 +275,14 @@ def test_the_section_marks_what_is_wrong_and_says_who_denies(load_rows):
 
 
 def test_a_presolve_that_answers_all_leaves_the_engine_out(load_rows):
-    """Then shares of the engine's answers are not defined, and its time is missing.
+    """A presolve that answers everything hides the engine.
+
+    Then shares of the engine's answers are not defined, and its time is missing.
 
     Without a question that has no path there is no section.
     """
-    made = [ask(INSIDE[0], Claim.INFEASIBLE, presolved=True)]
-    results = load_rows("e", made)
+    attempts = [ask(INSIDE[0], Claim.INFEASIBLE, presolved=True)]
+    results = load_rows("e", attempts)
     line = line_of(results)
     (table,) = existence_section(results).blocks
     asked = [ask(OUTSIDE[2], Claim.LOCAL, "exact")]

@@ -1,4 +1,7 @@
-"""All figures of a page of everything, and of one of sixty-four solvers; their tables."""
+"""All figures of two pages, and their tables.
+
+One page has everything, the other sixty-four solvers.
+"""
 
 import re
 
@@ -38,7 +41,10 @@ SCENARIOS = [Scenario(0, 0, 0, x, y) for x, y in ((4, 1), (5, -2), (-3, 2))]
 
 
 def many_methods():
-    """Fourteen engines on one formulation, five on each of the others; most answers are right."""
+    """Fourteen engines, and five on other formulations.
+
+    The fourteen share one formulation. Most answers are right.
+    """
     for place, formulation in enumerate(FORMULATIONS[1:]):
         for number, engine in enumerate(ENGINES if place == 0 else ENGINES[:5]):
             for n, scenario in enumerate(SCENARIOS):
@@ -61,7 +67,10 @@ def drawn_of(sections):
 
 @pytest.fixture(scope="module")
 def sections(tmp_path_factory):
-    """Every section of a page of sixty-four methods, the paper, sweeps, a plane and meshes."""
+    """Every section of a page of many methods.
+
+    It has sixty-four methods, the paper, sweeps, a plane and meshes.
+    """
     base = tmp_path_factory.mktemp("everything")
     rows = {
         "benchmark": many_methods(),
@@ -96,7 +105,10 @@ def is_map(ax):
 
 
 def curves(ax):
-    """The lines of a panel with a hue and many points: neither grey ones nor the closed form's."""
+    """Coloured lines of a panel with many points.
+
+    Grey lines and the closed form's are left out.
+    """
     lines = [line for line in ax.lines if len(line.get_xdata()) > 2]
     lines = [line for line in lines if line.get_linestyle() != "None"]
     return [line for line in lines if line.get_color() not in (RULE, INK)]
@@ -111,7 +123,9 @@ def test_the_page_has_figures_of_many_topics(pictures):
 
 @pytest.mark.slow
 def test_every_figure_fits_a_screen_and_says_what_its_axes_are(pictures):
-    """A label at each axis or one for all; maps of named cells have names instead.
+    """Every figure fits a screen with labelled axes.
+
+    There is a label at each axis or one for all; maps of named cells have names instead.
 
     A legend has less area than the panels together, and lies in the figure.
     """
@@ -141,7 +155,10 @@ def test_every_caption_ends_and_every_lead_is_one_sentence(sections):
 
 
 def test_what_all_names_of_a_panel_share_goes_to_its_title():
-    """Only if nothing is lost: a method without a presolve keeps the others' names long."""
+    """Shared parts of names go to the title.
+
+    They do so only if nothing is lost: a method without a presolve keeps the others' names long.
+    """
     shared = ["Ipopt, presolve", "SLSQP, presolve"]
 
     assert common_part(shared) == (" (presolve)", ["Ipopt", "SLSQP"])
@@ -151,7 +168,10 @@ def test_what_all_names_of_a_panel_share_goes_to_its_title():
 
 
 def test_bars_of_all_columns_have_one_length():
-    """However long the names beside them; names of 44 characters are whole, in fewer columns."""
+    """Bars of all columns have one length.
+
+    The names beside them may be long; names of 44 characters are whole, in fewer columns.
+    """
     long, short = "Uno filterSQP, words start, options=default", "SCIP"
     for names, across in (((short, long, short), 3), ((long, long, long), 2)):
         table = pd.DataFrame({"formulation": [*"abc"], "short": names, "note": "38*", "right": 1.0})
@@ -167,7 +187,10 @@ def test_bars_of_all_columns_have_one_length():
 @pytest.mark.filterwarnings("error:constrained_layout")
 @pytest.mark.parametrize("narrow", [False, True])
 def test_a_single_bar_has_room_beside_its_legend(narrow):
-    """As on the page of one solver."""
+    """A single bar has room beside its legend.
+
+    A page of one solver has such a bar.
+    """
     table = pd.DataFrame({"formulation": ["turn rates"], "short": ["Ipopt"], "note": ["1 ms"]})
     for mark in MARKS:
         table[mark.key] = 1 / len(MARKS)
@@ -189,7 +212,10 @@ def of_many(folder):
 
 
 def groups_of(ax):
-    """The names of a panel's lines, those of a formulation together: a title is between two."""
+    """Groups of a panel's names by formulation.
+
+    A title stands between two groups.
+    """
     labels = ax.get_yticklabels()
     ends = np.flatnonzero(np.diff(ax.get_yticks()) > 1) + 1
     return np.split([label.get_text() for label in labels], ends)
@@ -197,7 +223,10 @@ def groups_of(ax):
 
 @pytest.mark.slow
 def test_no_panel_has_more_than_ten_methods(pictures, of_many):
-    """Neither bars with names nor curves; maps alone have a line per engine."""
+    """No panel has more than ten methods.
+
+    That holds for bars with names and for curves; maps alone have a line per engine.
+    """
     for block in (*pictures.values(), *drawn_of(of_many.values())):
         for ax in block.figure.axes:
             assert len(curves(ax)) <= MOST_ENGINES, block.name
@@ -216,7 +245,10 @@ def test_every_solver_stays_in_the_tables(of_many):
 
 @pytest.mark.slow
 def test_long_tables_scroll_inside_their_frame(folder, tmp_path):
-    """Only long ones, and the page says so for those who do not see a scroll bar."""
+    """Long tables scroll inside their frame.
+
+    Only long ones do, and the page says so for those who do not see a scroll bar.
+    """
     page = render([folder], tmp_path / "out").read_text(encoding="utf-8")
     tables = re.findall(r'<figure class="table" id="table-([^"]+)">(.*?)</figure>', page, re.DOTALL)
 
@@ -229,7 +261,10 @@ def test_long_tables_scroll_inside_their_frame(folder, tmp_path):
 @pytest.mark.slow
 @pytest.mark.parametrize("formulation", ["closed form", None, "x" * 3000 + "\n<b>", "$\\frac"])
 def test_many_methods_of_one_strange_formulation_are_drawn(formulation, load_rows):
-    """No formulation of our own, or none that an engine solves; names as long as they like."""
+    """Many methods of a strange formulation are drawn.
+
+    It is no formulation of ours, or none that an engine solves; names are as long as they like.
+    """
     engine = "e" * 3000 + "\n\u202e$"
     strange = [
         attempt(
@@ -240,17 +275,20 @@ def test_many_methods_of_one_strange_formulation_are_drawn(formulation, load_row
     ]
     loaded = load_rows("strange", strange)
     with drawing():
-        drawn = drawn_of(s for topic in TOPICS for s in sections_of(topic, loaded))
-        files = [figure_bytes(block.figure, "svg") for block in drawn]
+        figure_blocks = drawn_of(s for topic in TOPICS for s in sections_of(topic, loaded))
+        files = [figure_bytes(block.figure, "svg") for block in figure_blocks]
 
-    assert {"times", "gap-profile-strange"} <= {block.name for block in drawn}
+    assert {"times", "gap-profile-strange"} <= {block.name for block in figure_blocks}
     assert all(files)
-    for block in drawn:
+    for block in figure_blocks:
         assert block.figure.get_size_inches()[1] < 7, block.name
 
 
 def test_a_file_does_not_depend_on_the_last_digits_of_the_layout(monkeypatch):
-    """Files are the same in every run; the layout's solver sorts by addresses in memory."""
+    """A file never depends on the layout's last digits.
+
+    Files are the same in every run; the layout's solver sorts by addresses in memory.
+    """
     layout = ConstrainedLayoutEngine.execute
 
     def rounded_otherwise(engine, figure):

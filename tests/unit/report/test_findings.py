@@ -1,4 +1,6 @@
-"""Each finding on made-up rows: with the effect, without it, and with too few rows.
+"""Each finding on made-up rows.
+
+There are rows with the effect, without it, and too few rows.
 
 A finding that no effect can remove, or that no effect can make, would be a typed one.
 """
@@ -32,19 +34,22 @@ Row = dict[str, Any]
 
 
 def row(question: int, solver: str, **changes: Any) -> Row:
-    """A right answer of a local engine, 1 ms; times differ a little from question to question."""
-    made = compared_row(
+    """A right answer of a local engine.
+
+    It takes 1 ms; times differ a little from question to question.
+    """
+    answer = compared_row(
         question,
         solver,
         **{"engine": "Ipopt", "gap": 1e-12, "tolerance": 1e-8, "margin": 1.0, "evaluations": 10.0},
         **dict.fromkeys(("x", "y", "heading", "target_y"), 0.0),
         target_x=4.0 + question,
     )
-    made |= changes
-    made["wall_s"] *= 1 + (question % 7) / 50
-    if not made["right"] and made["verdict"] == "optimal":
-        made |= {"verdict": "misses", "gap": float("nan"), "claim": "failed"}
-    return made
+    answer |= changes
+    answer["wall_s"] *= 1 + (question % 7) / 50
+    if not answer["right"] and answer["verdict"] == "optimal":
+        answer |= {"verdict": "misses", "gap": float("nan"), "claim": "failed"}
+    return answer
 
 
 def evidence(rows: Iterable[Row]) -> Evidence:
@@ -53,7 +58,10 @@ def evidence(rows: Iterable[Row]) -> Evidence:
 
 
 class Case(NamedTuple):
-    """A finding, rows with the effect and without it, and what the sentence must hold."""
+    """A finding with its rows and words.
+
+    Rows come with the effect and without it; the sentence must hold the words.
+    """
 
     find: Callable[[Evidence], Finding | None]
     made: Callable[[int, bool], list[Row]]
@@ -62,7 +70,10 @@ class Case(NamedTuple):
 
 
 def of_two(first: Row, second: Row, effect: Callable[[int], Row]) -> Callable[..., list[Row]]:
-    """A solver against another, of which only the rows with the effect have its changes."""
+    """Rows of a solver against another.
+
+    Only the rows with the effect have its changes.
+    """
 
     def made(n: int, there: bool) -> list[Row]:
         other = [second | (effect(q) if there else {}) for q in range(n)]
@@ -95,34 +106,45 @@ def routes(
     right: Callable[[int], bool] = lambda _: True,
     sizes: tuple[int, ...] = (2, 5, 10, 20),
 ) -> list[Row]:
-    """Routes of four sizes by the search and by an engine; the effect is one of them."""
-    made = []
+    """Routes of four sizes by search and engine.
+
+    The effect is one of them.
+    """
+    attempts = []
     for q in range(n):
         legs = sizes[q % 4]
         same: Row = {"label": "short", "via_x": [1.0] * (legs - 1)}
         mine = slow if effect else 1.0
         other = legs ** (power if effect else 1.0)
-        own = {"engine": "none", "formulation": "closed form", "guess": "none", "claim": "optimal"}
-        made.append(row(q, "analytic", **own, **same, wall_s=1e-3 * mine * other))
+        columns = {
+            "engine": "none",
+            "formulation": "closed form",
+            "guess": "none",
+            "claim": "optimal",
+        }
+        attempts.append(row(q, "analytic", **columns, **same, wall_s=1e-3 * mine * other))
         found_it = right(legs) or not effect
-        made.append(row(q, "ipopt", **same, wall_s=1e-3 * other, right=found_it))
+        attempts.append(row(q, "ipopt", **same, wall_s=1e-3 * other, right=found_it))
         if power != 1.0:
-            made[-2]["wall_s"] = 1e-3 * legs * (1 + (q % 7) / 50)
-    return made
+            attempts[-2]["wall_s"] = 1e-3 * legs * (1 + (q % 7) / 50)
+    return attempts
 
 
 def tours(n: int, effect: bool) -> list[Row]:
-    """Proved tours, and proved optima of a grid, of which the effect makes a half longer."""
-    made = []
+    """Proved tours, and proved optima of a grid.
+
+    The effect makes half of the optima longer.
+    """
+    attempts = []
     for q in range(n):
         same: Row = {"scenario_id": f"tour {q}", "closed": False, "via_x": [1.0], "message": ""}
         same |= {"lower_bound": 5.0, "reference_high": 5.0, "visit_order": [0.0], "late": False}
         solved = same | {"native_status": "kOptimal", "formulation": "tour MILP", "engine": "HiGHS"}
         if effect and q % 2:
             solved |= {"verdict": "longer", "gap": 0.03, "visit_order": [1.0]}
-        made.append(row(q, "analytic", **same, native_status="", claim="optimal"))
-        made.append(row(q, GRID, **solved))
-    return made
+        attempts.append(row(q, "analytic", **same, native_status="", claim="optimal"))
+        attempts.append(row(q, GRID, **solved))
+    return attempts
 
 
 CASES = [
@@ -193,9 +215,10 @@ def test_every_finding_has_a_case():
 
 @pytest.mark.parametrize("case", CASES, ids=NAMES)
 def test_a_finding_is_said_of_its_effect_alone(case):
-    """With its number, which lies in its interval, and the number of questions.
+    """A finding is said of its effect alone.
 
-    Not without the effect, of too few questions, of one solver, or of failures alone.
+    It has its number, which lies in its interval, and the number of questions. It is not said
+    without the effect, of too few questions, of one solver, or of failures alone.
     """
     finding = case.find(evidence(case.made(MANY, True)))
     one = [row(q, "ipopt") for q in range(MANY)]
@@ -214,7 +237,10 @@ def test_a_finding_is_said_of_its_effect_alone(case):
 
 
 def test_guesses_are_told_apart():
-    """From one guess the words are better, from a straight line worse: each is said by itself."""
+    """Guesses are told apart.
+
+    From one guess the words are better, from a straight line worse: each is said by itself.
+    """
     one = {"guess": "one", "guesses": "one"}
     joint = of_two(BOTH_ORDERS | one, IPOPT | one, lambda q: {"right": q % 4 != 0})
     words = of_two(BLIND, BLIND | {"solver": "b", "formulation": JOINT}, half_wrong)
@@ -226,7 +252,10 @@ def test_guesses_are_told_apart():
 
 
 def test_the_search_is_held_against_the_fastest_of_those_that_are_as_sure():
-    """Spacing by spacing; an engine that is never right is not one of them."""
+    """The search competes with the fastest sure solver.
+
+    It does so spacing by spacing; an engine that is never right is not one of them.
+    """
     rows = routes(80, True, slow=4.0, sizes=(2, 5, 100, 200))
     rows = [one | {"label": "long" if len(one["via_x"]) > 50 else "short"} for one in rows]
     ipopt = [one for one in rows if one["solver"] == "ipopt"]
@@ -236,11 +265,11 @@ def test_the_search_is_held_against_the_fastest_of_those_that_are_as_sure():
         for long in [one["label"] == "long"]
     ]
     never = [one | {"solver": "uno", "engine": "Uno", "right": False} for one in ipopt]
-    told = found.proof_of_routes(evidence(rows + slsqp + never)).question
+    question = found.proof_of_routes(evidence(rows + slsqp + never)).question
 
-    assert "Uno" not in told
-    assert "4.0 (4.0 to 4.0) times as long as Ipopt on 40 routes with short" in told
-    assert "8.0 (8.0 to 8.0) times as long as SLSQP" in told
+    assert "Uno" not in question
+    assert "4.0 (4.0 to 4.0) times as long as Ipopt on 40 routes with short" in question
+    assert "8.0 (8.0 to 8.0) times as long as SLSQP" in question
     assert (
         found.proof_of_routes(evidence([one for one in rows if one not in ipopt] + never)) is None
     )
@@ -248,7 +277,10 @@ def test_the_search_is_held_against_the_fastest_of_those_that_are_as_sure():
 
 @pytest.mark.parametrize(("width", "said"), [(0.0, True), (1e-7, False), (math.nan, False)])
 def test_a_share_of_proved_routes_is_said_to_be_of_those_that_close(width, said):
-    """Not if one of them is open, and whoever was not asked has no reference."""
+    """A share of proved routes names those that close.
+
+    It does not if one of them is open; a solver that was not asked has no reference.
+    """
     rows = [one | {"reference_low": 4.0} for one in routes(MANY, True)]
     rows[0] |= {"reference_low": math.nan, "reference_high": math.nan}
     rows[3]["reference_low"] -= 4.0 * width
@@ -269,7 +301,10 @@ def test_a_share_of_proved_routes_is_said_to_be_of_those_that_close(width, said)
     ],
 )
 def test_a_sentence_turns_round_with_the_rows(find, made, advice):
-    """If the other choice is the better one, the advice is the other."""
+    """A sentence turns round with the rows.
+
+    If the other choice is the better one, the advice is the other.
+    """
     finding = find(evidence(made(MANY, True)))
 
     assert finding is not None
@@ -282,7 +317,10 @@ def test_a_sentence_turns_round_with_the_rows(find, made, advice):
     [{"guesses": "several"}, {"guesses": None}, {"guess": "random"}, {"presolve": True}],
 )
 def test_formulations_are_compared_at_equal_guesses_only(unequal):
-    """More guesses, or a presolve, on one side say nothing of the formulation."""
+    """Formulations are compared at equal guesses only.
+
+    More guesses, or a presolve, on one side say nothing of the formulation.
+    """
     equal = of_two(IPOPT, BOTH_ORDERS, half_wrong)(MANY, True)
     other = of_two(IPOPT | unequal, BOTH_ORDERS, half_wrong)(MANY, True)
 
@@ -291,15 +329,18 @@ def test_formulations_are_compared_at_equal_guesses_only(unequal):
 
 
 def test_a_sentence_on_engines_holds_for_other_engines():
-    """One engine that gains much and three that gain nothing carry no advice for all."""
+    """A sentence on engines needs several engines.
+
+    One engine that gains much and three that gain nothing carry no advice for all.
+    """
 
     def rows(gains: int) -> list[Row]:
-        made = []
+        attempts = []
         for number, engine in enumerate("abcd"):
             words = {"solver": f"{engine}-words", "engine": engine}
             joint = {"solver": f"{engine}-joint", "engine": engine, "formulation": JOINT}
-            made += of_two(words, joint, half_wrong)(MANY, number < gains)
-        return made
+            attempts += of_two(words, joint, half_wrong)(MANY, number < gains)
+        return attempts
 
     every = found.words_against_joint(evidence(rows(4)))
     assert every is not None
@@ -323,7 +364,10 @@ def test_the_worst_of_many_has_the_interval_of_all(of):
     ],
 )
 def test_no_sentence_compares_times_that_are_mostly_floor(floor_s, runs, said):
-    """Four calls of 0.2 ms each for a trivial problem are most of 1 ms, two are not."""
+    """No sentence compares times that are mostly floor.
+
+    Four calls of 0.2 ms each for a trivial problem are most of 1 ms, two are not.
+    """
     floor = {"floor_s": floor_s, "subproblem_runs": runs}
     proof = of_two(IPOPT | floor, SCIP | PROOF, partial(slower, 50.0))(MANY, True)
 
@@ -331,7 +375,10 @@ def test_no_sentence_compares_times_that_are_mostly_floor(floor_s, runs, said):
 
 
 def test_an_exponent_is_that_of_the_times():
-    """Times that are a power exactly have no interval; noisy ones have that of scipy about it."""
+    """An exponent is that of the times.
+
+    Times that are a power exactly have no interval; noisy ones have that of scipy about it.
+    """
     legs = np.repeat([2.0, 5.0, 10.0, 20.0, 50.0], 8)
     noise = np.random.default_rng(3).normal(0.0, 0.3, legs.size)
     exact, noisy = exponent(legs, 3.0 * legs**1.5), exponent(legs, 3.0 * np.exp(noise) * legs**1.5)
@@ -345,8 +392,12 @@ def test_an_exponent_is_that_of_the_times():
 
 @pytest.mark.slow
 def test_the_section_has_every_sentence(load_rows):
-    """Of real rows; and none where no row carries a finding."""
-    rows, local = [], {"claim": Claim.LOCAL, "best_run_s": 1e-3}
+    """The section has every sentence of real rows.
+
+    It has none where no row carries a finding.
+    """
+    rows = []
+    local = {"claim": Claim.LOCAL, "best_run_s": 1e-3}
     for number in range(30):
         scenario = paper_scenarios()[0]
         moved = type(scenario)(0, 0, scenario.heading, 10 + number, 5, 1)
@@ -354,10 +405,10 @@ def test_the_section_has_every_sentence(load_rows):
         rows += [attempt(moved, "disjunctive", engine="SCIP", wall_s=3e-3)]
     loaded = load_rows("benchmark", rows)
     section = findings_section(loaded)
-    made = compared(loaded)
+    attempts = compared(loaded)
 
-    assert made is not None
-    every = [finding for find in FINDINGS if (finding := find(Evidence(made, len(FINDINGS))))]
+    assert attempts is not None
+    every = [finding for find in FINDINGS if (finding := find(Evidence(attempts, len(FINDINGS))))]
     assert section is not None
     assert section.blocks[0].frame["sentence"].tolist() == [f.sentence for f in every]
     topics = [topic for topic in TOPICS if topic.about in ("benchmark", General.BENCHMARKED)]

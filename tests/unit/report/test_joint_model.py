@@ -1,4 +1,7 @@
-"""Studies of the joint model: where starts lead, and the bias in the segments."""
+"""Studies of the joint model.
+
+They show where starts lead, and the bias in the segments.
+"""
 
 import math
 from dataclasses import replace
@@ -31,7 +34,7 @@ SPEC = "slsqp[model=joint,order=LRS,initial_guess=given,capped=false]"
 
 
 def turned(scenario, word, turns):
-    """The word's path with full turns to the left before it."""
+    """The word's path behind full left turns."""
     path = shortest_path(scenario, word)
     R = scenario.radius
     before = [math.tau * R] * turns
@@ -42,10 +45,14 @@ def turned(scenario, word, turns):
 
 @pytest.mark.parametrize("scenario", [THREE, FOUR, replace(THREE, radius=0.5)])
 def test_the_minima_are_those_of_brute_force(scenario):
-    """Drive L(z1) for every z1 up to three turns and then the best RS: the length has a minimum at
-    z1 = 0 and wherever it drops, and `minimum` knows each of them by its length."""
+    """The minima are those of brute force.
+
+    Drive L(z1) for every z1 up to three turns and then the best RS: the length has a minimum at z1
+    = 0 and wherever it drops, and `minimum` knows each of them by its length.
+    """
     R = scenario.radius
-    found, last = [], math.inf
+    minima = []
+    last = math.inf
     for z1 in np.arange(0, 3 * math.tau, 1e-3):
         pose = Path(scenario.start, [1 / R], [z1 * R]).end
         moved = replace(scenario, x=pose.x, y=pose.y, heading=pose.heading)
@@ -53,11 +60,11 @@ def test_the_minima_are_those_of_brute_force(scenario):
         # inside the right-hand circle of that pose there is no RS
         length = math.inf if rest is None else (z1 + rest.total) * R
         if length < last:
-            found.append(minimum(scenario, length))
+            minima.append(minimum(scenario, length))
         last = length
 
     # past a drop the length is flat to third order, so the step adds nothing that is seen
-    assert found == [("RS", 0), ("LS", 0), ("LS", 1), ("LS", 2)]
+    assert minima == [("RS", 0), ("LS", 0), ("LS", 1), ("LS", 2)]
     assert minimum(scenario, shortest(scenario).total * R + 0.1 * R) is None
 
 
@@ -66,14 +73,20 @@ def given(scenario, z1, z2, **changes):
 
 
 def not_a_minimum():
-    """A right turn more than LS needs, then the best that is left: it arrives and is too long."""
+    """A path that arrives and is too long.
+
+    It is a right turn more than LS needs, then the best that is left.
+    """
     early = Path(THREE.start, [-1], [0.5]).end
     rest = shortest_path(replace(THREE, x=early.x, y=early.y, heading=early.heading), "LS")
     return Path(THREE.start, [-1, *rest.curvatures], [0.5, *rest.lengths])
 
 
 def every_end():
-    """Rows for every end there is, in the order of `MARKS`, the last one three times."""
+    """Rows for every end that exists.
+
+    They come in the order of `MARKS`, the last one three times.
+    """
     local = {"claim": Claim.LOCAL}
     return [
         given(THREE, 0.0, 0.0, **local),
@@ -89,7 +102,10 @@ def every_end():
 
 
 def test_every_end_is_told_apart(load_rows):
-    """By verdict, claim and length; full turns are counted in minima only."""
+    """Every end is told apart.
+
+    Verdict, claim and length tell it; full turns are counted in minima only.
+    """
     cold = attempt(THREE)  # not of the study
     table = ends(load_rows("basins", [*every_end(), cold]).rows)
 
@@ -108,7 +124,10 @@ def test_every_end_is_told_apart(load_rows):
 
 
 def test_the_section_tells_what_the_rows_hold(load_rows):
-    """Its numbers are of these rows; without refuted claims it does not speak of any."""
+    """The section tells the rows' numbers.
+
+    Without refuted claims it does not speak of any.
+    """
     text = basins_section(load_rows("basins", every_end())).text
     honest = [given(FOUR, z1, z2, claim=Claim.LOCAL) for z1 in (0.0, 1.0) for z2 in (0.0, 1.0)]
     plain = basins_section(load_rows("honest", honest)).text
@@ -121,7 +140,8 @@ def test_the_section_tells_what_the_rows_hold(load_rows):
 
 TOLD = "ipopt[model=joint,order=LRS,units=scenario,mu_target={}]"
 DEFAULT = "ipopt[model=joint,order=LRS,units=scenario,options=default]"
-SPLIT, ACTIVE = "slsqp[units=scenario]", "slsqp[model=joint,order=LRS]"
+SPLIT = "slsqp[units=scenario]"
+ACTIVE = "slsqp[model=joint,order=LRS]"
 
 
 def behind(radius):
@@ -130,7 +150,10 @@ def behind(radius):
 
 
 def left(scenario, solver, right, claim=Claim.LOCAL):
-    """An answer with so long a right turn in it, put where LS begins: it arrives."""
+    """An answer with so long a right turn.
+
+    It is put where LS begins, and arrives.
+    """
     if right == 0:
         return attempt(scenario, solver, claim=claim)
     R = scenario.radius
@@ -145,8 +168,11 @@ def left(scenario, solver, right, claim=Claim.LOCAL):
 
 
 def by_theory(factor=1.0):
-    """Answers with `factor` times the predicted turn, at two barriers and three radii; then what
-    the defaults leave and what methods without a barrier leave."""
+    """Answers near the predicted turn.
+
+    They have `factor` times that turn, at two barriers and three radii. Others follow: those of
+    Ipopt's defaults, and of methods without a barrier.
+    """
     rows = [
         left(behind(R), TOLD.format(mu), factor * (mu * R**2) ** (1 / 3))
         for mu in (1e-9, 1e-6)
@@ -159,7 +185,10 @@ def by_theory(factor=1.0):
 
 
 def test_whose_barrier_is_known():
-    """Ipopt's on the unsplit model, from its settings; nobody else's."""
+    """Only Ipopt's barrier is known.
+
+    It is known on the unsplit model, from its settings; nobody else's is.
+    """
     settings = {
         "ipopt[tol=1]": {"model": "joint", "mu_target": 1e-5, "tol": 1e-12},
         "ipopt[tol=2]": {"model": "joint", "mu_target": 0.0, "tol": 1e-6},
@@ -174,7 +203,9 @@ def test_whose_barrier_is_known():
 
 
 def test_the_section_says_what_the_rows_say(load_rows):
-    """Where the prediction holds it says so, with numbers; where it does not, not.
+    """The section confirms the prediction or not.
+
+    Where the prediction holds it says so, with numbers; where it does not, not.
 
     A part of the rows is enough.
     """

@@ -1,4 +1,4 @@
-"""Targets next to a turning circle: the ladder toward it."""
+"""The ladder of targets toward a turning circle."""
 
 import math
 
@@ -14,37 +14,49 @@ MARGINS = (1e-2, 1e-4, 1e-8)
 
 
 def target(arc, margin):
-    """So many radii outside the left circle, at an arc angle."""
+    """A target near the left circle.
+
+    It lies so many radii outside, at an arc angle.
+    """
     r = 1 + margin
     return Scenario(0, 0, 0, r * math.sin(arc), 1 - r * math.cos(arc), 1, label="ladder")
 
 
 def row(scenario, solver, path="exact", **changes):
-    """With the bounds that a certificate would hold."""
+    """A row with the bounds of a certificate."""
     optimum = shortest(scenario).total
     bounds = {"reference_low": optimum * (1 - 1e-15), "reference_high": optimum * (1 + 1e-15)}
     return attempt(scenario, solver, path=path, claim=Claim.LOCAL, **(bounds | changes))
 
 
 def along(scenario, arc):
-    """Along the circle, which misses the target by its margin."""
+    """A path along the circle.
+
+    It misses the target by its margin.
+    """
     return Path(scenario.start, [1.0], [arc])
 
 
 def rows():
-    """The exact path everywhere; a solver that follows the circle where its miss is below 1e-6."""
-    made = []
+    """Rows of an exact and an inexact solver.
+
+    The exact path is everywhere; the other solver follows the circle where its miss is below 1e-6.
+    """
+    attempts = []
     for arc in (FRONT, REAR):
         for margin in (*MARGINS, *(-m for m in MARGINS)):
             scenario = target(arc, margin)
-            made.append(row(scenario, "collocation"))
+            attempts.append(row(scenario, "collocation"))
             near = abs(margin) < 1e-6
-            made.append(row(scenario, "ipopt", along(scenario, arc) if near else "exact"))
-    return made
+            attempts.append(row(scenario, "ipopt", along(scenario, arc) if near else "exact"))
+    return attempts
 
 
 def test_a_short_path_is_told_from_a_right_one(load_rows):
-    """The check calls both optimal; only just inside the front half does a miss pay."""
+    """A short path is told from a right one.
+
+    The check calls both optimal; only just inside the front half does a miss pay.
+    """
     attempts = rungs(load_rows("ladder", rows()).rows)
     assert (attempts.groupby("side").size()[list(SIDES)] == 6).all()
     short = attempts[attempts["finding"] == "by its miss"]
@@ -53,7 +65,10 @@ def test_a_short_path_is_told_from_a_right_one(load_rows):
 
 
 def test_findings_and_the_worst_of_a_rung(load_rows):
-    """Coarse is not a wrong basin, and a rung is as good as its worst answer."""
+    """Findings and the worst of a rung.
+
+    Coarse is not a wrong basin, and a rung is as good as its worst answer.
+    """
     inside = target(FRONT, -1e-2)
     other = shortest_path(inside, "RS")
     made = [

@@ -1,4 +1,6 @@
-"""Results folders: what is read, and what is refused with one clear message; where rows were made.
+"""Results folders are read or refused.
+
+A refusal is one clear message. Where rows were made counts too.
 
 `elsewhere` was made by a run with two threads and another scipy (and so other code digests).
 """
@@ -27,7 +29,10 @@ from tests.unit.report.topic_page import topic_page
 
 
 def test_a_cell_that_two_folders_hold_counts_once(tmp_path, results):
-    """Merging folders is a union of cells, and paths stay with their rows."""
+    """A cell that two folders hold counts once.
+
+    Merging folders is a union of cells, and paths stay with their rows.
+    """
     one, two, three = paper_scenarios()[:3]
     first = results("paper", [attempt(one, path=None), attempt(two)])
     second = write_folder(tmp_path / "again", "paper", [attempt(two), attempt(three)])
@@ -39,7 +44,10 @@ def test_a_cell_that_two_folders_hold_counts_once(tmp_path, results):
 
 
 def test_a_folder_of_results_folders_stands_for_them(tmp_path):
-    """As `results/benchmark`, whose suites are folders of their own."""
+    """A folder of results folders stands for them.
+
+    `results/benchmark` is one: its suites are folders of their own.
+    """
     one, two, three = paper_scenarios()[:3]
     first = write_folder(tmp_path / "suites" / "a", "leg", [attempt(one)])
     second = write_folder(tmp_path / "suites" / "b", "pose", [attempt(two), attempt(three)])
@@ -53,11 +61,15 @@ def test_a_folder_of_results_folders_stands_for_them(tmp_path):
 
 
 def test_a_solver_that_the_manifest_does_not_name_counts_nowhere(results):
-    """Nobody knows whether such rows are of its current code; the report and `status` agree."""
+    """A solver missing in the manifest counts nowhere.
+
+    Nobody knows whether such rows are of its current code; the report and `status` agree.
+    """
     one, two = paper_scenarios()[:2]
     named = {"analytic": {"code_digest": "0123456789ab", "cells": 1}}
     folder = results("paper", [attempt(one), attempt(two, "slsqp")], solvers=named)
-    (read,), counted = load([folder]).folders, status(folder)
+    (read,) = load([folder]).folders
+    counted = status(folder)
 
     assert load([folder]).rows["solver"].unique().tolist() == ["analytic"]
     assert (read.rows.current, read.rows.stale) == (counted.done, counted.stale) == (1, 1)
@@ -80,7 +92,7 @@ def _change_table(change):
 
 
 def _much(table):
-    """The same rows with a gap that is a text."""
+    """Rows whose gap is a text."""
     place = table.column_names.index("gap")
     return table.set_column(place, "gap", pa.array(["much"] * table.num_rows))
 
@@ -90,7 +102,10 @@ LATER = ["lower_bound", "subproblems", "evaluations", "presolved", "subproblem_s
 
 @pytest.mark.parametrize("lacking", [(1,), (1, 2)])
 def test_a_column_that_a_part_lacks_is_null(results, lacking):
-    """Of every type, in one part of a folder or in all."""
+    """A column that a part lacks is null.
+
+    Columns of every type are left out, in one part of a folder or in all.
+    """
     one, two = paper_scenarios()[:2]
     folder = results("paper", [attempt(one, lower_bound=1.0)])
     pq.write_table(
@@ -132,7 +147,10 @@ def test_a_column_that_a_part_lacks_is_null(results, lacking):
     ],
 )
 def test_a_spoilt_folder_is_refused(results, spoil, message):
-    """Whatever is wrong with a folder, one error names it and the place."""
+    """A spoilt folder is refused.
+
+    Whatever is wrong with a folder, one error names it and the place.
+    """
     folder = results("paper", [attempt(paper_scenarios()[0])])
     spoil(folder)
 
@@ -143,9 +161,14 @@ def test_a_spoilt_folder_is_refused(results, spoil, message):
 
 
 def test_the_page_says_which_rows_are_left_out(tmp_path):
-    """Rows of earlier code; rows of a cell that a folder before holds, by other code or by this."""
+    """The page names the rows left out.
+
+    They are rows of earlier code, and rows of a cell that a folder before holds, by other code or
+    by this.
+    """
     one, two, three = map(attempt, paper_scenarios()[:3])
-    other, named = {"code_digest": "f" * 12}, {"analytic": {"code_digest": "0123456789ab"}}
+    other = {"code_digest": "f" * 12}
+    named = {"analytic": {"code_digest": "0123456789ab"}}
     folders = [
         write_folder(tmp_path / "1", "paper", [one, two, three | other], solvers=named),
         write_folder(tmp_path / "2", "paper", [one | other, two | other]),
@@ -164,7 +187,10 @@ def test_the_page_says_which_rows_are_left_out(tmp_path):
 
 
 def test_a_gap_that_differs_contradicts(tmp_path):
-    """By more than the tolerance; where everything else agrees, and whichever comes first."""
+    """A gap that differs contradicts.
+
+    It differs by more than the tolerance, where everything else agrees; whichever row comes first.
+    """
     rows = [attempt(scenario) for scenario in paper_scenarios()]
     near = [row | {"gap": row["gap"] + 0.5e-4} for row in rows]
     far = [row | {"gap": row["gap"] + 1.5e-4 * (i < 3)} for i, row in enumerate(rows)]
@@ -187,7 +213,10 @@ def here(tmp_path):
 
 
 def changed(place: FilePath, change) -> FilePath:
-    """A copy of the folder whose first answer is changed."""
+    """A copy of the folder with one changed answer.
+
+    The first answer is changed.
+    """
     shutil.copytree(ELSEWHERE, place)
     (file,) = (place / "parts").iterdir()
     table = pq.read_table(file)
@@ -204,7 +233,11 @@ def recheck_of(*folders: FilePath):
 
 
 def test_its_rows_are_what_the_check_finds_here(here):
-    """Legs, poses and a route, from two engines; what a solver does not take is not judged."""
+    """Its rows are the check's results here.
+
+    There are legs, poses and a route, from two engines; a question that a solver does not take is
+    not judged.
+    """
     recheck = recheck_of(here, ELSEWHERE)
 
     assert (recheck.judged, recheck.left, recheck.changed) == (19, 0, 0)
@@ -222,7 +255,10 @@ def test_its_rows_are_what_the_check_finds_here(here):
     ],
 )
 def test_what_differs_is_counted_and_corrected(here, tmp_path, change, differing):
-    """The page has the check's numbers; a convex problem's answer is not in its row."""
+    """Differences are counted and corrected.
+
+    The page has the check's numbers; a convex problem's answer is not in its row.
+    """
     theirs = changed(tmp_path / "theirs", change)
     recheck = recheck_of(here, theirs)
     answers = "experiment == 'theirs' and outcome == 'returned'"
@@ -239,7 +275,10 @@ POINTS = [(4, 1, "90deg"), (6, -2), (-3, 5)]
 
 
 def test_tours_and_free_starts_are_judged_anew_as_they_were(tmp_path):
-    """From a part: the path's start heading, the order and the headings at points come back."""
+    """Tours and free starts are judged anew alike.
+
+    From a part come back the path's start heading, the order and the headings at points.
+    """
     asked = [
         Scenario(target_x=9, target_y=2, via=POINTS, order="free"),
         Scenario(heading=None, via=POINTS, order="free"),
@@ -254,10 +293,10 @@ def test_tours_and_free_starts_are_judged_anew_as_they_were(tmp_path):
     table, recheck = judged_anew(read_part(file), read_manifest(folder))
 
     assert (recheck.judged, recheck.changed) == (len(asked), 0)
-    found = table.to_pylist()
-    assert {row["verdict"] for row in found} == {"optimal"}
+    lines = table.to_pylist()
+    assert {row["verdict"] for row in lines} == {"optimal"}
     for name in ("visits", "visit_order", "start_heading", "reference_word"):
-        assert [row[name] for row in found] == [row[name] for row in rows], name
+        assert [row[name] for row in lines] == [row[name] for row in rows], name
 
 
 def test_what_did_not_return_has_no_path(here, tmp_path):
@@ -268,7 +307,10 @@ def test_what_did_not_return_has_no_path(here, tmp_path):
 
 
 def test_a_folder_of_the_same_set_up_is_believed(here, tmp_path):
-    """One's own runs are judged when they are made; so is the first folder, whoever made it."""
+    """A folder of the same set-up is not judged.
+
+    One's own runs are judged when they are made; so is the first folder, whoever made it.
+    """
     theirs = changed(tmp_path / "theirs", lambda row: {"verdict": "longer"})
 
     assert recheck_of(ELSEWHERE, theirs) is None
@@ -276,7 +318,10 @@ def test_a_folder_of_the_same_set_up_is_believed(here, tmp_path):
 
 
 def test_a_package_that_one_folder_alone_records_is_no_other_set_up():
-    """Two experiments of one machine ask different engines; another version of one is another."""
+    """A package in one folder alone changes no set-up.
+
+    Two experiments of one machine ask different engines; another version of one is another set-up.
+    """
     one = read_manifest(ELSEWHERE)
     name, *others = one.versions
     fewer = one.model_copy(update={"versions": {key: one.versions[key] for key in others}})
@@ -321,7 +366,10 @@ def section(load_rows):
 
 
 def test_a_noisy_run_is_marked(section):
-    """A machine that varied by 30 % (between two speeds); a quiet one is not."""
+    """A noisy run is marked.
+
+    A machine that varied by 30 % (between two speeds) is marked; a quiet one is not.
+    """
     written = section(entry("quiet", STEADY), entry("loud", NOISY))
 
     # the 5th and 95th percentile are the two speeds, the median lies between them

@@ -1,4 +1,7 @@
-"""Rows of two machines, and of two time limits: shown side by side, never ranked."""
+"""Rows of two machines and two time limits.
+
+They are shown side by side, never ranked.
+"""
 
 import json
 
@@ -24,7 +27,10 @@ RUN = {"run_id": "abc", "state": "finished", "machine": {"system": "Linux"}}
 
 
 def folder_of(place, name, solver, machine, wall_s, **manifest):
-    """Right answers of one solver to all questions, made on one machine."""
+    """Right answers of one solver on one machine.
+
+    It answers all questions.
+    """
     known = {"machine": machine, "wall_s": wall_s, "solve_s": wall_s, "evaluations": 9}
     rows = [attempt(question, solver, **known, guesses="one") for question in QUESTIONS]
     return write_folder(place / solver, name, rows, runs=[RUN], **manifest)
@@ -32,7 +38,10 @@ def folder_of(place, name, solver, machine, wall_s, **manifest):
 
 @pytest.fixture
 def folders(tmp_path):
-    """Ours, a slower rival on our machine, and one that was 500 times as quick on another."""
+    """Three solvers on two machines.
+
+    They are ours, a slower rival on our machine, and one that was 500 times as quick on another.
+    """
     return [
         folder_of(tmp_path, "benchmark", "slsqp", OURS, SLOW_S),
         folder_of(tmp_path, "benchmark", "ipopt", OURS, RIVAL_S),
@@ -41,7 +50,10 @@ def folders(tmp_path):
 
 
 def test_times_of_another_machine_rank_nothing(folders):
-    """The quick solver is neither the best of its kind, nor in a table of times, nor in a ratio."""
+    """Times of another machine rank nothing.
+
+    The quick solver is neither the best of its kind, nor in a table of times, nor in a ratio.
+    """
     results = load(folders)
     attempts = compared(results)
     summary = solver_summary(results.attempts)
@@ -60,15 +72,19 @@ def test_times_of_another_machine_rank_nothing(folders):
 
 
 def test_times_of_another_machine_are_shown(folders):
-    """With each attempt."""
+    """Each attempt shows another machine's time."""
     shown = sample(load(folders), most=1000).groupby("solver")["wall_s"].median()
 
     assert shown.to_dict() == {"slsqp": SLOW_S, "ipopt": RIVAL_S, "shooting": QUICK_S}
 
 
 def test_the_first_folder_says_which_machine_is_ours(folders):
-    """And rows of one machine are ranked, wherever they were made."""
-    turned, alone = load(folders[::-1]), load(folders[2:])
+    """The first folder's machine is ours.
+
+    Rows of one machine are ranked, wherever they were made.
+    """
+    turned = load(folders[::-1])
+    alone = load(folders[2:])
 
     assert set(turned.elsewhere["solver"]) == {"slsqp", "ipopt"}
     assert turned.rows.groupby("solver")["wall_s"].median()["shooting"] == QUICK_S
@@ -76,7 +92,10 @@ def test_the_first_folder_says_which_machine_is_ours(folders):
 
 
 def test_failures_of_another_machine_are_no_times(tmp_path, folders):
-    """They count as failures in shares; in a table of times they would cost our limit."""
+    """Failures of another machine are no times.
+
+    They count as failures in shares; in a table of times they would cost our limit.
+    """
     gone = [lost(question, "disjunctive", machine=THEIRS, guesses="one") for question in QUESTIONS]
     attempts = compared(load([*folders, write_folder(tmp_path / "gone", "benchmark", gone)]))
 
@@ -85,7 +104,10 @@ def test_failures_of_another_machine_are_no_times(tmp_path, folders):
 
 
 def test_a_late_answer_of_another_machine_is_late(tmp_path, folders):
-    """Its own clock and its own limit decide, and its time is still not ours."""
+    """A late answer of another machine is late.
+
+    Its own clock and its own limit decide, and its time is still not ours.
+    """
     late = folder_of(tmp_path, "benchmark", "trust-constr", THEIRS, 3.0, time_limit_s=2.0)
     rows = load([*folders, late]).rows.query("solver == 'trust-constr'")
 
@@ -94,7 +116,10 @@ def test_a_late_answer_of_another_machine_is_late(tmp_path, folders):
 
 
 def suites(place, limit_s):
-    """A suite with a limit of 1 s, and a sample of it with another limit: two questions of each."""
+    """A suite and a sample of it.
+
+    The suite has a limit of 1 s, the sample another one: two questions of each.
+    """
     suite = [attempt(question, "slsqp", limit_s=1.0) for question in QUESTIONS[:2]]
     again = [attempt(QUESTIONS[0], "ipopt", limit_s=limit_s), lost(QUESTIONS[5], "ipopt")]
     return [
@@ -104,14 +129,17 @@ def suites(place, limit_s):
 
 
 def test_a_question_with_two_limits_is_named(tmp_path, caplog):
-    """On the page and in the terminal, by the folder that differs from an earlier one."""
+    """A question with two limits is named.
+
+    The page and the terminal name it, by the folder that differs from an earlier one.
+    """
     folders = suites(tmp_path, limit_s=10.0)
     page = render(folders, tmp_path / "page")
-    said = "1 of its questions have another time limit in a folder before it"
+    message = "1 of its questions have another time limit in a folder before it"
 
     assert [folder.rows.other_limits for folder in load(folders).folders] == [0, 1]
-    assert f"{folders[1]}: {said}" in caplog.text
-    assert said in page.read_text(encoding="utf-8")
+    assert f"{folders[1]}: {message}" in caplog.text
+    assert message in page.read_text(encoding="utf-8")
 
 
 def test_questions_with_one_limit_are_not(tmp_path, caplog):
@@ -122,7 +150,10 @@ def test_questions_with_one_limit_are_not(tmp_path, caplog):
 
 
 def test_commands_repeat_an_attempt_with_its_own_limit(tmp_path):
-    """Not with the general one of its suite, which only rows without a limit have."""
+    """Commands repeat an attempt with its own limit.
+
+    The general limit of its suite serves only rows without a limit.
+    """
     rows = [lost(QUESTIONS[0], "slsqp", limit_s=1.0), lost(QUESTIONS[1], "ipopt", limit_s=None)]
     results = load([write_folder(tmp_path / "suite", "suite", rows, time_limit_s=10.0)])
     table = next(block for block in failures_section(results).blocks if block.name == "failures")

@@ -1,4 +1,7 @@
-"""Formulation by engine: filled cells, reasons, the best guess, and shares by stratum."""
+"""The table of formulations by engines.
+
+It has filled cells, reasons, the best guess, and shares by stratum.
+"""
 
 import numpy as np
 import pandas as pd
@@ -41,7 +44,9 @@ def cell(cells, engine, formulation):
 
 
 def test_the_best_guess_is_the_most_surely_right_then_the_fastest():
-    """Zero is faster and wrong more often; two of two say less than nearly all of many.
+    """The best guess is best supported, then fastest.
+
+    Zero is faster and wrong more often; two of two say less than nearly all of many.
 
     A cell says how few its questions are if nothing else was asked; no sample displaces the whole.
     """
@@ -66,12 +71,15 @@ def test_the_best_guess_is_the_most_surely_right_then_the_fastest():
 
 
 def test_a_panel_has_at_most_ten_engines():
-    """The ten with the most right answers, in the order of the table, without the closed form."""
+    """A panel has at most ten engines.
+
+    They have the most right answers, in the order of the table, without the closed form.
+    """
     lines = [method(WORDS, f"e{n:02}", share=n / 20) for n in range(14)]
     frame = pd.DataFrame([method("closed form", "closed form"), *lines, method(JOINT, "e00")])
-    drawn = drawn_methods(frame)
+    panel = drawn_methods(frame)
 
-    assert drawn["engine"].tolist() == [*(f"e{n:02}" for n in range(4, 14)), "e00"]
+    assert panel["engine"].tolist() == [*(f"e{n:02}" for n in range(4, 14)), "e00"]
 
 
 def labelled(label, place, solver, right, **changes):
@@ -85,15 +93,17 @@ def labelled(label, place, solver, right, **changes):
 
 @pytest.fixture
 def benchmark(load_rows):
-    """Two engines in two strata and one that no entry knows; the rows of a benchmark, with entries.
+    """A benchmark's rows, with entries.
+
+    There are two engines in two strata and one that no entry knows.
 
     The engine b was not to be had where the manifest was written.
     """
-    made = [labelled("near", n, "a", right=n < 3) for n in range(4)]
-    made += [labelled("far", n, "a", right=True) for n in range(4)]
-    made += [labelled(s, n, "b", right=False) for s in ("near", "far") for n in range(4)]
-    made += [labelled("far", 0, "mine", right=True, formulation=JOINT)]
-    made += [labelled("far", 0, "closed form", right=True, formulation="closed form")]
+    attempts = [labelled("near", n, "a", right=n < 3) for n in range(4)]
+    attempts += [labelled("far", n, "a", right=True) for n in range(4)]
+    attempts += [labelled(s, n, "b", right=False) for s in ("near", "far") for n in range(4)]
+    attempts += [labelled("far", 0, "mine", right=True, formulation=JOINT)]
+    attempts += [labelled("far", 0, "closed form", right=True, formulation="closed form")]
     text = 'label = "near"\nlabel = "far"\n'
     experiment = {"name": "e", "text": text, "section": "benchmark"}
     entries = [
@@ -104,11 +114,13 @@ def benchmark(load_rows):
         *(entry(WORDS, "SCIP", "global"), entry(JOINT, "SCIP", "global", "too slow")),
     ]
     dumped = [each.model_dump() for each in entries]
-    return load_rows("e", made, experiment=experiment, matrix=dumped)
+    return load_rows("e", attempts, experiment=experiment, matrix=dumped)
 
 
 def test_the_section_shows_every_pair_and_every_reason(benchmark):
-    """The cell has the share; the reason stands below under its number.
+    """The section shows every pair and every reason.
+
+    The cell has the share; the reason stands below under its number.
 
     A row counts whatever the manifest says; a pair that could be asked and has no row says so.
     """
@@ -145,7 +157,10 @@ def test_whole_percents_say_all_only_of_all(share, expected):
 
 
 def test_a_share_of_nothing_is_a_dash():
-    """With the interval that says that nothing is known."""
+    """A share of nothing is a dash.
+
+    Its interval says that nothing is known.
+    """
     frame = with_share(pd.DataFrame({"n": [0]}), "x", pd.Series([0.0]), pd.Series([0]))
 
     assert frame["x_text"].tolist() == ["–"]

@@ -1,4 +1,7 @@
-"""Short names of solvers: distinct, in natural order, with the spec at hand."""
+"""Short names of solvers.
+
+They are distinct, in natural order, with the spec at hand.
+"""
 
 import pandas as pd
 import pytest
@@ -35,7 +38,10 @@ ROWS = st.lists(
 
 
 def test_a_warm_question_does_not_make_two_methods_of_one_name(load_rows):
-    """Asked with a path as well as without, the guess is still the method's: a setting differs."""
+    """A warm question makes no second method.
+
+    It is asked with a path as well as without. The guess is still the method's: a setting differs.
+    """
     word = "one NLP a word"
     rows = [
         row("ipopt", word, "Ipopt", "bearing or warm"),
@@ -49,7 +55,10 @@ def test_a_warm_question_does_not_make_two_methods_of_one_name(load_rows):
 
 
 def test_a_long_name_keeps_the_settings_that_come_last(load_rows):
-    """They are those that a study varies; cut at the end, the names would differ in a number."""
+    """A long name keeps its last settings.
+
+    They are those that a study varies; cut at the end, the names would differ in a number.
+    """
     spec = "ipopt[model=joint,order=LRS,tol=1e-12,bound_relax=1e-08,mu_target={mu}]"
     specs = [spec.format(mu=mu) for mu in ("1e-11", "1e-10")]
     rows = [row(text, "joint NLP, LRS", "Ipopt", "bearing") for text in specs]
@@ -68,7 +77,10 @@ def test_a_long_name_keeps_the_settings_that_come_last(load_rows):
 @pytest.mark.slow
 @given(ROWS)
 def test_no_two_solvers_share_a_name(rows):
-    """Whatever plug-ins call themselves, and whatever their rows do not state."""
+    """No two solvers share a name.
+
+    That holds whatever plug-ins call themselves, and whatever their rows do not state.
+    """
     frame = pd.DataFrame(rows, columns=["solver", "formulation", "engine", "guess"])
     labels = short_labels(methods_of(frame.astype(object)))
 
@@ -95,7 +107,10 @@ def row(spec, formulation, engine, guess):
 
 @pytest.fixture
 def folder(results):
-    """Five solvers, two of which differ in the guess alone, two in a setting."""
+    """A folder of five solvers.
+
+    Two of them differ in the guess alone, two in a setting.
+    """
     joint = "joint NLP, LRS"
     return results(
         "some",
@@ -119,7 +134,10 @@ LABELS = {
 
 
 def test_a_name_says_engine_formulation_guess_and_what_differs(folder):
-    """In the order of tables, where 20 steps come before 160."""
+    """A name has engine, formulation, guess and differences.
+
+    Names come in the order of tables, where 20 steps come before 160.
+    """
     labels = names_of(load([folder]))["label"]
 
     assert labels.to_dict() == LABELS
@@ -134,7 +152,10 @@ def test_natural_order_reads_small_numbers():
 
 
 def test_the_settings_table_has_every_solver_and_every_setting(folder):
-    """What the spec gives, and from the manifest what it leaves at the default."""
+    """The table has every solver and setting.
+
+    It has what the spec gives, and from the manifest what it leaves at the default.
+    """
     results = load([folder])
     section = solvers_section(results)
     frame = section.blocks[0].frame.set_index("solver")
@@ -149,7 +170,10 @@ def test_the_settings_table_has_every_solver_and_every_setting(folder):
 
 
 def test_a_figure_shows_of_a_name_what_tells_its_solvers_apart():
-    """Engine and formulation; of two that share them, only what the other has not."""
+    """A figure shows only telling parts of names.
+
+    They are engine and formulation; of two that share them, only what the other has not.
+    """
     labels = {
         "a": "Ipopt, word NLPs, bearing start",
         "b": "Ipopt, collocation, bearing start, no correct, points=1",

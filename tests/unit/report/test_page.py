@@ -1,4 +1,7 @@
-"""The report as a whole: complete, self-contained, escaped, repeatable, all or nothing."""
+"""The report as a whole.
+
+It is complete, self-contained, escaped, repeatable, and written whole or not at all.
+"""
 
 import re
 from dataclasses import replace
@@ -27,7 +30,10 @@ HOSTILE = (
 
 
 def paper_rows():
-    """Every test problem and branch, from the closed form and from a solver that always misses."""
+    """Rows of every test problem and branch.
+
+    They come from the closed form and from a solver that always misses.
+    """
     rows = []
     for scenario in paper_scenarios():
         for branch in ("best", "LS", "RS"):
@@ -51,7 +57,10 @@ def sweep_rows():
 
 
 def plane_rows():
-    """A coarse plane for the closed form, a coarser one for another solver."""
+    """Two coarse planes of two solvers.
+
+    The closed form's is coarse, the other solver's coarser.
+    """
     places = [-1.9 + 0.4 * i for i in range(10)]
     grid = [Scenario(0, 0, 0, x, y, 1) for x in places for y in places]
     return [attempt(s) for s in grid] + [attempt(s, "slsqp", path=None) for s in grid[::3]]
@@ -90,7 +99,10 @@ DETAILS = [
 
 
 def test_every_section_is_in_its_place(whole):
-    """Rows for all of them, so all of them; open or folded, and the contents link to each."""
+    """Every section is in its place.
+
+    There are rows for all of them. They are open or folded, and the contents link to each.
+    """
     page, paper = (whole.with_name(name).read_text() for name in ("index.html", "paper.html"))
     keys = re.findall(r'<section id="([^"]+)"', page)
     folded = re.findall(r'<section id="([^"]+)">\s*<details class="part">', page)
@@ -107,7 +119,10 @@ def test_every_section_is_in_its_place(whole):
 
 
 def test_the_page_begins_with_the_problem(whole):
-    """The picture and the explorer stand above the first figure or table about engines."""
+    """The page begins with the problem.
+
+    The picture and the explorer stand above the first figure or table about engines.
+    """
     page = whole.read_text(encoding="utf-8")
     figures = re.findall(r'<figure class="\w+" id="([^"]+)"', page)
 
@@ -125,7 +140,9 @@ def test_every_section_says_first_what_to_see(whole):
 
 
 def test_figures_fit_a_column_and_a_screen(whole):
-    """Each is as wide as a column of a journal or two, 88 or 180 mm, and at most 7 inches high.
+    """Figures fit a column and a screen.
+
+    Each is as wide as a column of a journal or two, 88 or 180 mm, and at most 7 inches high.
 
     Letters are TrueType with all of Unicode, which journals ask for.
     """
@@ -150,7 +167,11 @@ def test_the_page_asks_for_nothing(whole):
 
 
 def test_every_figure_has_words_for_those_who_cannot_see_it_and_follows_the_page(whole):
-    """Its ink, its paper and all hues, of lines and of hatches, are the page's variables."""
+    """Every figure has a text and follows the page.
+
+    The text is for those who cannot see it. Its ink, its paper and all hues, of lines and of
+    hatches, are the page's variables.
+    """
     page = whole.read_text(encoding="utf-8")
     figures = re.findall(r"<svg role='img' aria-label='.*?</svg>", page, re.DOTALL)
 
@@ -164,7 +185,10 @@ def test_every_figure_has_words_for_those_who_cannot_see_it_and_follows_the_page
 
 @pytest.mark.slow
 def test_the_same_rows_give_the_same_bytes(results, tmp_path):
-    """No dates and no random ids: a report can be compared with the committed one."""
+    """The same rows give the same bytes.
+
+    There are no dates and no random ids: a report can be compared with the committed one.
+    """
     folder = results("paper", paper_rows())
     with with_pdf_files():
         pages = [render([folder], out=tmp_path / name).parent for name in ("one", "two")]
@@ -177,7 +201,9 @@ def test_the_same_rows_give_the_same_bytes(results, tmp_path):
 
 @pytest.mark.slow
 def test_hostile_names_are_shown_as_they_are(results, tmp_path):
-    """Labels, messages, solvers and manifest are text, in HTML, SVG and TeX.
+    """Hostile names are shown as text.
+
+    Labels, messages, solvers and manifest are text, in HTML, SVG and TeX.
 
     Control characters are written out; so are halves of pairs, which no file can hold.
     """
@@ -206,7 +232,10 @@ def test_hostile_names_are_shown_as_they_are(results, tmp_path):
 
 
 def test_table_in_both_formats():
-    """CSV keeps raw values; TeX shows the formatted ones, and solvers by their short names."""
+    """A table comes in both formats.
+
+    CSV keeps raw values; TeX shows the formatted ones, and solvers by their short names.
+    """
     frame = pd.DataFrame({"s": ["x_1"], "v": [0.123456], "w": [None], "u": ["[1]"]})
     columns = (SOLVER, Column("v", "v", digits(3)), Column("w", "v"), Column("u", "a & b"))
     table = Table("t", "", frame.rename(columns={"s": "solver"}), columns, labels={"x_1": "Y_1"})
@@ -241,7 +270,10 @@ def test_table_in_both_formats():
     ],
 )
 def test_numbers_as_they_are_shown(show, value, text):
-    """Few digits, no rounding up to certainty, and thin spaces between thousands."""
+    """Numbers are shown briefly.
+
+    They have few digits, are not rounded up to certainty, and have thin spaces between thousands.
+    """
     assert show(value) == text
 
 
@@ -293,7 +325,10 @@ ODD = {
     ["all-lost", "routes", *(pytest.param(name, marks=pytest.mark.slow) for name in [*ODD][2:])],
 )
 def test_odd_results_make_a_report_too(results, tmp_path, name):
-    """Nothing came back, nothing to compare with, no circle to cross, no length at all."""
+    """Odd results make a report too.
+
+    Nothing came back, nothing to compare with, no circle to cross, or no length at all.
+    """
     page = render([results(name, ODD[name])], tmp_path / "out")
 
     assert '<section id="summary"' in page.read_text(encoding="utf-8")
@@ -301,7 +336,10 @@ def test_odd_results_make_a_report_too(results, tmp_path, name):
 
 @pytest.mark.slow
 def test_an_unfinished_run_says_so(results, tmp_path):
-    """Its numbers are of some cells only, which may be the easy ones."""
+    """An unfinished run says so.
+
+    Its numbers are of some cells only, which may be the easy ones.
+    """
     done = results("tiny", [attempt(paper_scenarios()[0])])
     part = results("part", [attempt(paper_scenarios()[0])], finished=None)
 
@@ -330,7 +368,10 @@ def test_a_place_that_cannot_be_written_is_refused(results, tmp_path):
 
 
 def test_nothing_half_written_is_left(results, tmp_path, monkeypatch):
-    """A report that fails while it is written leaves the old one as it was."""
+    """Nothing half-written is left.
+
+    A report that fails while it is written leaves the old one as it was.
+    """
     folder = results("tiny", [attempt(paper_scenarios()[0])])
     page = topic_page(folder, tmp_path / "out", "summary")
     before = page.read_bytes()

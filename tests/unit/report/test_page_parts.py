@@ -1,6 +1,7 @@
-"""Parts of the page: glossary, dictionaries, sections of experiments, and the explorer's HTML.
+"""Parts of the page.
 
-The key in its TOML file decides, not its name.
+They are glossary, dictionaries, sections of experiments, and the explorer's HTML. The key in an
+experiment's TOML file decides on its section, not its name.
 """
 
 import base64
@@ -36,7 +37,10 @@ from tests.unit.report.topic_page import topic_page
 
 
 def test_hatches_of_a_figure_follow_the_page_and_its_texts_stay():
-    """The colour of a hatch is an attribute; only a style can hold a variable."""
+    """Hatches of a figure follow the page.
+
+    Its texts stay. The colour of a hatch is an attribute; only a style can hold a variable.
+    """
     svg = '<svg><rect fill="#0072b2"/><text>&lt;b&gt; id="x" #1a1c1f</text></svg>'
     element = inline(svg, "times", "a <figure>")
 
@@ -46,7 +50,10 @@ def test_hatches_of_a_figure_follow_the_page_and_its_texts_stay():
 
 
 def test_the_first_use_of_a_word_is_a_link():
-    """Once on a page, with its meaning; what is from outside stays text."""
+    """The first use of a word is a link.
+
+    It is one once on a page, with its meaning; what is from outside stays text.
+    """
     glossed = Glossed()
     first = glossed("The gap of <b>an engine</b>, and another gap.")
     second = glossed("A gap.")
@@ -58,7 +65,11 @@ def test_the_first_use_of_a_word_is_a_link():
 
 
 def test_the_number_behind_a_cell_is_the_raw_one():
-    """Of text with an interval the number it begins with; nothing behind what is no number."""
+    """The number behind a cell is raw.
+
+    For a text with an interval it is the number that the text begins with; a text without a number
+    has none.
+    """
     frame = pd.DataFrame(
         {"v": [0.5, None], "flag": [True, False], "name": ["a", "b"]}
         | {"w_text": ["50 %", "–"], "w_share": [0.5, np.nan], "x_text": ["1", "2"], "x": [1, 2]}
@@ -73,7 +84,10 @@ def test_the_number_behind_a_cell_is_the_raw_one():
 
 @pytest.mark.slow
 def test_dictionaries_name_every_column(results, tmp_path):
-    """Those of the rows, and those of every table's CSV file."""
+    """Dictionaries name every column.
+
+    They are the columns of the rows, and of every table's CSV file.
+    """
     folder = results("paper", [attempt(s) for s in paper_scenarios()])
     tables = render([folder], tmp_path / "out").parent / "tables"
     rows = pd.read_csv(tables / "columns.csv", keep_default_na=False)
@@ -92,7 +106,11 @@ def _text(page: FilePath) -> str:
 
 
 def test_an_empty_run_makes_a_page_that_says_so(results, tmp_path):
-    """No part, or one without rows, alone or beside a run with rows; what is no run is refused."""
+    """An empty run makes a page that says so.
+
+    It has no part, or one without rows, alone or beside a run with rows; what is no run is
+    refused.
+    """
     rows = [attempt(s) for s in paper_scenarios()]
     bare, none, full = results("bare", rows), results("none", []), results("paper", rows)
     (bare / "parts" / "1.parquet").unlink()
@@ -117,7 +135,10 @@ SECTIONS = ("where initial guesses lead", "summary", "success and gaps")
 
 
 def folder(results, name, section):
-    """Results of an experiment that names a section: two attempts from given initial guesses."""
+    """Results of an experiment that names a section.
+
+    There are two attempts from given initial guesses.
+    """
     guesses = [attempt(paper_scenarios()[2], SPEC, initial_guess=f"{z} 0 5") for z in (0, 1)]
     return results(name, guesses, section=section)
 
@@ -127,31 +148,40 @@ def section_ids(page):
 
 
 def test_a_copy_under_another_name_keeps_its_section(results, tmp_path):
-    """And one without the key has none; the general sections need no key."""
+    """A renamed copy keeps its section.
+
+    One without the key has none; the general sections need no key.
+    """
     copy = parse("copy", "copy.toml", read("basins").text).experiment
     bare = parse("bare", "bare.toml", re.sub("(?m)^section = .*$", "", read("basins").text))
 
-    kept = topic_page(folder(results, "copy", copy.section), tmp_path / "kept", *SECTIONS)
+    page = topic_page(folder(results, "copy", copy.section), tmp_path / "kept", *SECTIONS)
     none = topic_page(
         folder(results, "bare", bare.experiment.section), tmp_path / "none", *SECTIONS
     )
 
     assert copy.section == "basins"
     assert bare.experiment.section is None
-    assert "basins" in section_ids(kept)
+    assert "basins" in section_ids(page)
     assert "basins" not in section_ids(none)
     assert {"summary", "success"} <= set(section_ids(none))
 
 
 def test_every_packaged_key_has_a_section_and_every_section_an_experiment():
-    """No packaged experiment asks for a section that is not there, and no topic is never asked."""
+    """Sections and packaged experiments belong together.
+
+    No packaged experiment asks for a section that is not there, and no topic is never asked.
+    """
     keys = {read(name).experiment.section for name in packaged()} - {None}
 
     assert keys == set(KEYS)
 
 
 def test_an_unknown_section_is_a_line_on_the_page(results, tmp_path):
-    """The set of sections is the report's: a plug-in's experiment is reported without one."""
+    """An unknown section is a line on the page.
+
+    The set of sections is the report's: a plug-in's experiment is reported without one.
+    """
     page = topic_page(folder(results, "mine", "guesses"), tmp_path / "out", *SECTIONS)
     line = "which the report does not have"
 
@@ -171,7 +201,10 @@ def test_two_experiments_of_one_topic_have_a_section_each(results, tmp_path):
 
 @pytest.mark.slow
 def test_a_study_enters_no_pooled_number(results):
-    """Variants and extreme questions are not counted with other experiments' attempts."""
+    """A study enters no pooled number.
+
+    Variants and extreme questions are not counted with other experiments' attempts.
+    """
     folders = [
         results("tiny", [attempt(paper_scenarios()[0])]),
         folder(results, "study", "basins"),
@@ -197,7 +230,10 @@ def explorer():
 
 
 def test_without_scripts_there_are_two_drawings_with_a_text():
-    """Embedded as images, so that their styles and ids stay their own."""
+    """Without scripts there are two drawings with text.
+
+    They are embedded as images, so that their styles and ids stay their own.
+    """
     section = explorer_section(None)  # type: ignore[arg-type]
     bodies = "".join(widget.body for widget in section.blocks)
     images = [
@@ -246,7 +282,10 @@ def test_a_length_in_a_drawing_is_the_closed_form_s(drawing, scenario, branch, t
 
 
 def test_the_map_shows_an_example_of_each_word():
-    """The targets' dots lie where their paths end and in the region of their word."""
+    """The map shows an example of each word.
+
+    The targets' dots lie where their paths end and in the region of their word.
+    """
     root = ElementTree.parse(TEMPLATES / "words.svg").getroot()
     thin = [e for e in root if e.tag.endswith("path") and "thin" in e.get("class", "")]
     dots = [e for e in root if e.get("class") == "target"]

@@ -1,4 +1,7 @@
-"""The paper's printed tables against the closed form; its figures, and sweeps over the radius."""
+"""The paper's tables, figures and sweeps.
+
+Its printed tables are compared with the closed form; the sweeps are over the radius.
+"""
 
 import math
 from fractions import Fraction
@@ -38,7 +41,10 @@ def test_26_of_the_33_cells_are_correct_roundings(cells):
 
 
 def test_the_papers_scenarios_are_those_of_the_experiment():
-    """The exact problems that the audit starts from, beside the doubles that solvers are given."""
+    """The paper's scenarios are the experiment's.
+
+    The audit starts from the exact problems; solvers are given the doubles beside them.
+    """
     for scenario in paper_scenarios():
         problem = PROBLEMS[scenario.label]
         assert (scenario.target_x, scenario.target_y) == problem.target
@@ -48,7 +54,10 @@ def test_the_papers_scenarios_are_those_of_the_experiment():
 
 
 def test_a_crossed_number_shows_why(cells):
-    """The exact text below it rounds to another number by itself."""
+    """A crossed number shows why.
+
+    The exact text below it rounds to another number by itself.
+    """
     lines = side_by_side(cells).fillna("").to_dict("records")
     pairs = [
         (printed[quantity], exact[quantity])
@@ -66,7 +75,10 @@ def test_a_crossed_number_shows_why(cells):
 
 
 def test_the_papers_figures_name_their_paths(results):
-    """6.1 to 6.5; every path is named, with its length."""
+    """The paper's figures name their paths.
+
+    They are 6.1 to 6.5; every path is named, with its length.
+    """
     rows = [attempt(s, branch=word) for s in paper_scenarios() for word in ("LS", "RS")]
     with drawing():
         section = figures_section(load_folders([results("paper", rows)]))
@@ -93,15 +105,18 @@ def where(radius):
 
 
 def folder_rows():
-    """Right answers, one by 0.5 % and one by 50 % too long, one lost, and a radius not asked."""
+    """Right, longer, lost and missing answers.
+
+    One is by 0.5 % and one by 50 % too long, one is lost, and a radius is not asked.
+    """
     exact = {"formulation": "closed form", "engine": "closed form"}
     rows = [attempt(where(radius), **exact) for radius in RADII]
     rows += [attempt(where(radius), "slsqp", wall_s=1e-3) for radius in RADII if radius != 55.0]
     rows += [attempt(where(radius), "slsqp", initial_guess="warm", wall_s=9.0) for radius in RADII]
-    made = {"verdict": "longer", "formulation": "turn rates"}
+    columns = {"verdict": "longer", "formulation": "turn rates"}
     rows += [
-        attempt(where(20.0), "turn-rate-qp", gap=0.005, **made),
-        attempt(where(40.0), "turn-rate-qp", gap=0.5, **made),
+        attempt(where(20.0), "turn-rate-qp", gap=0.005, **columns),
+        attempt(where(40.0), "turn-rate-qp", gap=0.5, **columns),
     ]
     wrong = {"path": astray(where(55.0)), "claim": Claim.FAILED, "formulation": "turn rates"}
     rows.append(attempt(where(55.0), "turn-rate-qp", **wrong))
@@ -114,12 +129,15 @@ def loaded(load_rows):
 
 
 def test_only_visibly_wrong_answers_are_drawn(loaded):
-    """Half a percent lies on the line of the shortest lengths."""
-    (rows,) = sweep_rows(loaded.rows).values()
-    drawn = visibly_wrong(rows)
+    """Only visibly wrong answers are drawn.
 
-    assert drawn["radius"].tolist() == [40.0, 55.0]
-    assert drawn["gap"].notna().tolist() == [True, False]
+    Half a percent lies on the line of the shortest lengths.
+    """
+    (rows,) = sweep_rows(loaded.rows).values()
+    lines = visibly_wrong(rows)
+
+    assert lines["radius"].tolist() == [40.0, 55.0]
+    assert lines["gap"].notna().tolist() == [True, False]
 
 
 def test_a_sweep_is_a_figure_that_names_the_words_and_the_circle(loaded):
@@ -136,26 +154,35 @@ def sweep_scenario(radius):
 
 
 def warm_rows():
-    """A solver that saves, one that pays, two that are the same: one counts no iterations, the
-    other none for a cold start."""
-    made = []
+    """Solvers that save, pay or do nothing, warm.
+
+    One saves, one pays, two are the same: one counts no iterations, the other none for a cold
+    start.
+    """
+    attempts = []
     for place, radius in enumerate((1.0, 1.1, 1.2, 1.3, 1.4)):
         where = sweep_scenario(radius)
         for start, time, work in (("cold", 0.01, 10), ("warm", 0.001 * (place + 1), 5)):
-            made.append(attempt(where, "ipopt", initial_guess=start, wall_s=time, iterations=work))
+            attempts.append(
+                attempt(where, "ipopt", initial_guess=start, wall_s=time, iterations=work)
+            )
         for start, time, work in (("cold", 0.01, 10), ("warm", 0.02, 30)):
-            made.append(attempt(where, "slsqp", initial_guess=start, wall_s=time, iterations=work))
-        made += [
+            attempts.append(
+                attempt(where, "slsqp", initial_guess=start, wall_s=time, iterations=work)
+            )
+        attempts += [
             attempt(where, solver, initial_guess=start, iterations=iterations)
             for solver, counts in (("shooting", (None, None)), ("penalty", (0, 3)))
             for start, iterations in zip(("cold", "warm"), counts, strict=True)
         ]
-        made.append(attempt(where, "never-warm"))
-    return made
+        attempts.append(attempt(where, "never-warm"))
+    return attempts
 
 
 def test_ratios_by_hand(load_rows):
-    """Ratios 0.1 to 0.5 in five steps; iterations halved; without a number there is no ratio.
+    """Ratios by hand.
+
+    Ratios are 0.1 to 0.5 in five steps; iterations are halved; without a number there is no ratio.
 
     A solver that is never warm is left out.
     """

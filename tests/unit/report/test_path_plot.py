@@ -1,4 +1,7 @@
-"""The drawing of a flight: places of names, title, scale and north."""
+"""The drawing of a flight.
+
+It has names in their places, title, scale and north.
+"""
 
 import numpy as np
 import pytest
@@ -20,7 +23,10 @@ def answer():
 
 
 def drawn_boxes(figure):
-    """Boxes of the texts beside points by their texts, in pixels."""
+    """Boxes (pixels) of the texts beside points.
+
+    They are named by their texts.
+    """
     canvas = FigureCanvasAgg(figure)
     canvas.draw()
     texts = [text for text in figure.axes[0].texts if text.get_text()]
@@ -29,7 +35,10 @@ def drawn_boxes(figure):
 
 @pytest.mark.parametrize("heading", ["30deg", "120deg", "-90deg", "180deg"])
 def test_names_cross_neither_the_path_nor_an_axis_line(heading):
-    """Of few points with room around them."""
+    """Names of few points cross no line.
+
+    The points have room around them.
+    """
     asked = Scenario(0, 0, heading, 10, 5, via=[(4, 1), (6, -2)], final_heading="90deg")
     answer = solve(asked)
     figure = plot_path(answer, names=["mill", "oak", "long home"])
@@ -46,12 +55,16 @@ def test_names_cross_neither_the_path_nor_an_axis_line(heading):
 
 
 def test_the_title_says_what_is_proved_and_the_time(answer):
-    """The time where a speed is given; units where it lies on Earth."""
+    """The title says what is proved.
+
+    It has the time where a speed is given, and units where the path lies on Earth.
+    """
     titles = [
         plot_path(answer, geographic=geographic).axes[0].get_legend().get_title().get_text()
         for geographic in (False, True)
     ]
-    length, time = f"{answer.length:.2f}", f"{answer.travel_time:.4g}"
+    length = f"{answer.length:.2f}"
+    time = f"{answer.travel_time:.4g}"
 
     assert titles[0] == f"analytic: length {length}, proved, time {time}"
     assert titles[1] == f"analytic: length {length} m, proved, time {time} s"
@@ -64,7 +77,10 @@ def test_one_leg_is_called_proved_too():
 
 
 def test_on_earth_there_are_a_scale_bar_and_an_arrow_to_the_north(answer):
-    """The bar is as long as it says; the arrow points up; without Earth there is neither."""
+    """On Earth there are scale bar and north arrow.
+
+    The bar is as long as it says; the arrow points up; without Earth there is neither.
+    """
     figure = plot_path(answer, geographic=True)
     boxes = drawn_boxes(figure)
     [axes] = figure.axes

@@ -1,4 +1,7 @@
-"""The sections on routes: numbers by hand, what is open, published lengths, searches."""
+"""The sections on routes, by hand.
+
+Tested are numbers, open routes, published lengths, and searches.
+"""
 
 from importlib.resources import files
 
@@ -26,7 +29,10 @@ SHORT, FAR = "legs of 1 radius", "legs of 9 radii"
 
 
 def row(number, solver, legs, verdict="optimal", label=SHORT, gap=0.0, **changes):
-    """A judged attempt at a route; which one is a number."""
+    """A judged attempt at a route.
+
+    A number says which route.
+    """
     points = [float(n) for n in range(legs - 1)] or None
     via = {"via_x": points, "via_y": points and [9.0 for _ in points]}
     engine = {"claim": Claim.LOCAL, "formulation": "headings", "wall_s": 0.25}
@@ -36,7 +42,10 @@ def row(number, solver, legs, verdict="optimal", label=SHORT, gap=0.0, **changes
 
 
 def rows():
-    """Of `a` three routes of 3 legs: right, longer, open; of 1 leg right and not returned."""
+    """Rows of `a` on four routes.
+
+    Of 3 legs one is right, one longer, one open; of 1 leg one is right and one not returned.
+    """
     gone = {"scenario_id": "lost", "label": SHORT, "formulation": "headings"}
     return [
         row(0, "a", 3),
@@ -51,12 +60,16 @@ def rows():
 
 
 def test_numbers_by_hand(load_rows):
-    """Who does not arrive has an infinite gap; an open route is no trial, but has a gap."""
+    """Numbers by hand.
+
+    A path that does not arrive has an infinite gap; an open route is no trial, but has a gap.
+    """
     results = load_rows("routes", rows())
     cells = by_size(with_legs(results.rows)).set_index(["solver", "label", "legs"])
     section = routes_section(results)
     picture, _ = section.blocks
-    three, one = cells.loc[("a", SHORT, 3)], cells.loc[("a", SHORT, 1)]
+    three = cells.loc[("a", SHORT, 3)]
+    one = cells.loc[("a", SHORT, 1)]
 
     assert (three["successes"], three["trials"], three["left_open"]) == (1, 2, 1)
     assert (three["low"], three["high"]) == pytest.approx((0.0945, 0.9055), abs=5e-5)
@@ -71,11 +84,14 @@ def test_numbers_by_hand(load_rows):
 
 
 def test_a_repeat_is_a_part_of_a_route(load_rows):
-    """Two right answers of three are 2/3 of one trial; open routes are counted once."""
+    """A repeat is a part of a route.
+
+    Two right answers of three are 2/3 of one trial; open routes are counted once.
+    """
     verdicts = ["optimal", "optimal", "longer"]
-    made = [row(0, "a", 2, verdict, repeat=n) for n, verdict in enumerate(verdicts)]
-    made += [row(1, "a", 2, "undecided", repeat=n) for n in range(3)]
-    (line,) = by_size(with_legs(load_rows("routes", made).rows)).to_dict("records")
+    attempts = [row(0, "a", 2, verdict, repeat=n) for n, verdict in enumerate(verdicts)]
+    attempts += [row(1, "a", 2, "undecided", repeat=n) for n in range(3)]
+    (line,) = by_size(with_legs(load_rows("routes", attempts).rows)).to_dict("records")
 
     assert (line["successes"], line["trials"]) == (pytest.approx(2 / 3), 1)
     assert line["left_open"] == 1
@@ -87,7 +103,10 @@ def bounds_of_gdip():
 
 
 def test_another_program_is_asked_too():
-    """Of two routes one bound is within a thousandth, the other above the path that is shortest."""
+    """Another program is asked too.
+
+    Of two routes one bound is within a thousandth, the other above the path that is shortest.
+    """
     low = bounds_of_gdip().iloc[:2]
     high = 2 * low.to_numpy() * [1.001, 0.9]
     frame = pd.DataFrame({"scenario_id": [*low.index], "reference_high": high, "radius": 2.0})
@@ -98,7 +117,10 @@ def test_another_program_is_asked_too():
 
 
 def test_the_bounds_of_another_program_and_ours_agree():
-    """No bound of gdip's lies above the search's path; those of two far legs lie just below it."""
+    """Another program's bounds and ours agree.
+
+    No bound of gdip's lies above the search's path; those of two far legs lie just below it.
+    """
     bounds = bounds_of_gdip()
     far = {}
     for chain in plan_run(Request("benchmark-route", solvers=["analytic"])).chains:
@@ -115,7 +137,10 @@ def test_the_bounds_of_another_program_and_ours_agree():
 
 
 def test_a_page_of_all_kinds_of_routes(results, tmp_path):
-    """All undecided, none arriving, one leg alone: nothing fails, and the anchor is there."""
+    """A page of all kinds of routes.
+
+    All are undecided, none arrives, or one leg is alone: nothing fails, and the anchor is there.
+    """
     open_ = [row(n, "a", 2, "undecided", gap=0.1, claim=Claim.NONE) for n in range(2)]
     gone = [lost(paper_scenarios()[n], "b", label=FAR) for n in range(2)]
     page = topic_page(results("routes", [*open_, *gone]), tmp_path / "out", "routes")
@@ -124,11 +149,17 @@ def test_a_page_of_all_kinds_of_routes(results, tmp_path):
 
 
 def test_published_lengths(load_rows):
-    """A length above the interval is longer; one that rounds to a length in it is the shortest."""
+    """Published lengths are judged by intervals.
+
+    A length above the interval is longer; one that rounds to a length in it is the shortest.
+    """
     ours = {"length": 7.46756218196, "reference_low": 7.4675621, "reference_high": 7.467562182}
     worse = ours | {"length": 7.5, "gap": 1e-2, "verdict": "longer"}
-    made = [row(0, "a", 11, label="example 4", **worse), row(0, "b", 11, label="example 4", **ours)]
-    results = load_rows("kaya", made)
+    attempts = [
+        row(0, "a", 11, label="example 4", **worse),
+        row(0, "b", 11, label="example 4", **ours),
+    ]
+    results = load_rows("kaya", attempts)
     frame = printed_routes(with_legs(results.rows)).set_index("source")
     section = printed_section(results)
 
@@ -155,7 +186,10 @@ def traced(evaluations, lengths, solver="a"):
 
 
 def test_a_target_is_reached_by_the_first_path_within_it():
-    """By hand: gaps of 0.2 and 0.05 after 1 and 10 evaluations; without a trace, at its end."""
+    """The first path within a target reaches it.
+
+    By hand: gaps of 0.2 and 0.05 after 1 and 10 evaluations; without a trace, at its end.
+    """
     first = reached(traced([1.0, 10.0], [12.0, 10.5]) | {"evaluations": 99.0, "end_gap": 1.0})
     last = reached(traced(None, None) | {"evaluations": 50.0, "end_gap": 1e-3})
 
@@ -164,9 +198,12 @@ def test_a_target_is_reached_by_the_first_path_within_it():
 
 
 def test_curves_count_targets_of_all_attempts():
-    """One attempt of two reaches all targets at 20 evaluations; the routes have their own panel."""
-    made = [traced([20.0], [10.0]), traced([5.0], [15.0])]
-    rows = pd.DataFrame(made).assign(evaluations=100.0, gap=[0.0, 0.5])
+    """Curves count targets of all attempts.
+
+    One attempt of two reaches all targets at 20 evaluations; the routes have their own panel.
+    """
+    attempts = [traced([20.0], [10.0]), traced([5.0], [15.0])]
+    rows = pd.DataFrame(attempts).assign(evaluations=100.0, gap=[0.0, 0.5])
     one_leg = pd.DataFrame([traced(None, None)]).assign(via_x=None, evaluations=9.0, gap=1e-4)
 
     panels = runtimes(pd.concat([rows, one_leg]))
@@ -178,10 +215,13 @@ def test_curves_count_targets_of_all_attempts():
 
 
 def test_a_data_profile_counts_what_is_within_its_target_in_time(load_rows):
-    """Two routes of three to 1e-4, one of them late; of the longest path only to 1e-2."""
-    made = [row(0, "a", 2, gap=1e-9, wall_s=0.1), row(1, "a", 2, gap=5e-3, wall_s=0.2)]
-    made += [row(2, "a", 2, gap=1e-5, wall_s=0.3)]
-    panels = data_profiles(with_legs(load_rows("routes", made).rows))
+    """A data profile counts timely answers within targets.
+
+    Two routes of three are within 1e-4, one of them late; the longest path is only within 1e-2.
+    """
+    attempts = [row(0, "a", 2, gap=1e-9, wall_s=0.1), row(1, "a", 2, gap=5e-3, wall_s=0.2)]
+    attempts += [row(2, "a", 2, gap=1e-5, wall_s=0.3)]
+    panels = data_profiles(with_legs(load_rows("routes", attempts).rows))
     ends = {title: round(float(table["a"].iloc[-1]), 6) for title, table in panels.items()}
 
     assert ends == {"gap up to 1e-2": 1.0, "gap up to 1e-4": 0.666667, "gap up to 1e-8": 0.333333}

@@ -1,4 +1,7 @@
-"""The sample of attempts that the page embeds: which, how they are packed, and what they take."""
+"""The sample of attempts in the page.
+
+Tested are which attempts it has, how they are packed, and what they take.
+"""
 
 import gzip
 import json
@@ -22,13 +25,19 @@ HOSTILE = "</script>\n'\"$(touch x) \u202e"
 
 
 def arcs(number: int, radius: float = 2.0) -> Path:
-    """A path that turns from left to right in `number` arcs."""
+    """A path of `number` alternating arcs.
+
+    They turn from left to right.
+    """
     curvature = np.linspace(1, -1, number) / radius
     return Path(Pose(1, 2, 0.3), curvature, np.linspace(0.1, 0.7, number))
 
 
 def rows() -> list[dict[str, Any]]:
-    """Three solvers at thirty targets, twice each; every fifth answer misses by its number."""
+    """Rows of three solvers at thirty targets.
+
+    Each is asked twice; every fifth answer misses by its number.
+    """
     records = []
     for number in range(30):
         angle = 2 * math.pi * number / 30
@@ -68,10 +77,14 @@ def unpacked(chosen: pd.DataFrame) -> dict[str, Any]:
 
 
 def test_every_value_comes_back(results: Results):
-    """Texts and scenarios exactly, measured numbers to four digits, null as null."""
+    """Every value comes back.
+
+    Texts and scenarios come back exactly, measured numbers to four digits, null as null.
+    """
     chosen = sample(results, 10**6)
     read = unpacked(chosen)
-    columns, scenarios = read["columns"], read["scenarios"]
+    columns = read["columns"]
+    scenarios = read["scenarios"]
 
     assert read["more"] == 1
     assert read["count"] == len(chosen)
@@ -90,15 +103,18 @@ def test_every_value_comes_back(results: Results):
 
 
 def test_via_points_and_final_headings_come_back(results, tmp_path):
-    """Where there are any; for the command that repeats the attempt."""
+    """Via points and final headings come back.
+
+    They do where there are any; for the command that repeats the attempt.
+    """
     plain = Scenario(target_x=3, target_y=1)
-    made = [
+    questions = [
         plain,
         replace(plain, via=[(1, -2), (3, 0.1)]),
         replace(plain, final_heading=7),
         replace(plain, via=[(5, 6)], final_heading=-1),
     ]
-    records = [lost(s, scenario_id=f"{number}") for number, s in enumerate(made)]
+    records = [lost(s, scenario_id=f"{number}") for number, s in enumerate(questions)]
     read = unpacked(sample(load([write_folder(tmp_path / "a", "a", records)]), 10))
     scenarios = read["scenarios"]
 
@@ -110,7 +126,11 @@ def test_via_points_and_final_headings_come_back(results, tmp_path):
 
 
 def test_paths_come_back_as_arcs(results: Results):
-    """Of any number, to seven digits in turning radii; the page's JSON holds no infinity."""
+    """Paths come back as arcs.
+
+    They have any number of arcs, to seven digits in turning radii; the page's JSON holds no
+    infinity.
+    """
     chosen = sample(results, 10**6)
     for row, found in zip(chosen.to_dict("records"), unpacked(chosen)["paths"], strict=True):
         expected = [row["curvatures"] * row["radius"], row["lengths"] / row["radius"]]
@@ -122,7 +142,11 @@ def test_paths_come_back_as_arcs(results: Results):
 
 
 def test_the_worst_attempts_are_false_claims_before_longer_paths_before_misses(tmp_path):
-    """Ten different questions a solver, the worst first; compared with a plain sort."""
+    """The worst attempts come in order.
+
+    False claims come before longer paths, and these before misses. There are ten different
+    questions a solver, the worst first; compared with a plain sort.
+    """
     level = {"longer": 3, "misses": 2, "none": 1}
     records = []
     for number in range(60):
@@ -156,7 +180,11 @@ def test_the_worst_attempts_are_false_claims_before_longer_paths_before_misses(t
 
 
 def test_every_stratum_has_points_at_the_same_scenarios(results: Results):
-    """However small the sample: of each solver, region and verdict those with the least hashes."""
+    """Every stratum has points at the same scenarios.
+
+    However small the sample: of each solver, region and verdict it has those with the least
+    hashes.
+    """
     stratum = ["solver", "region", "verdict"]
     every = results.rows[results.rows["repeat"] == 0]
     small = sample(results, 40)
@@ -172,7 +200,10 @@ def test_every_stratum_has_points_at_the_same_scenarios(results: Results):
 
 
 def test_the_sample_shrinks_to_its_budget(results: Results, monkeypatch: pytest.MonkeyPatch):
-    """The worst attempts stay; the text says how many of how many are shown."""
+    """The sample shrinks to its budget.
+
+    The worst attempts stay; the text says how many of how many are shown.
+    """
     monkeypatch.setattr(section, "_SIZES", (180, 100, 30, 10))
     whole = section.attempts_section(results)
     size = len(gzip.compress(_content(whole)))

@@ -1,4 +1,7 @@
-"""Means, ranks and profiles against scipy, their definitions, and tables worked by hand."""
+"""Means, ranks and profiles.
+
+They are compared with scipy, their definitions, and tables worked by hand.
+"""
 
 import math
 
@@ -27,14 +30,21 @@ def mean_of(values, shift):
 
 @given(paid, st.floats(0, 1e3))
 def test_shifted_geometric_mean_as_in_scipy(values, shift):
-    """scipy's geometric mean of the shifted costs; the difference cancels digits of the shift."""
+    """The shifted geometric mean is scipy's.
+
+    That is scipy's geometric mean of the shifted costs; the difference cancels digits of the
+    shift.
+    """
     expected = gmean(np.array(values) + shift) - shift
 
     assert mean_of(values, shift) == pytest.approx(expected, rel=1e-9, abs=1e-12 * shift)
 
 
 def test_special_values_of_the_shifted_geometric_mean():
-    """A failure is infinite, NaN is left out, a cost of 0 has the geometric mean 0."""
+    """Special values of the shifted geometric mean.
+
+    A failure is infinite, NaN is left out, a cost of 0 has the geometric mean 0.
+    """
     assert mean_of([1.0, INF], 1.0) == INF
     assert mean_of([1.0, 7.0, NAN], 1.0) == pytest.approx(3.0)
     assert mean_of([0.0, 5.0], 0.0) == 0.0
@@ -48,7 +58,9 @@ def test_the_shift_is_the_lower_quartile():
 
 
 def test_a_rank_that_depends_on_a_choice_is_none():
-    """a is fast but fails one of four; b is slow and right; c is worst by any measure.
+    """A rank that depends on a choice is none.
+
+    a is fast but fails one of four; b is slow and right; c is worst by any measure.
 
     With failures at the limit 10 a's geometric mean is near 0.01^(3/4) 10^(1/4), far below b's 2; a
     shift of 10 times 2 nears the arithmetic mean: (0.03 + 10 k) / 4 above 2 for every penalty k.
@@ -63,7 +75,10 @@ def test_a_rank_that_depends_on_a_choice_is_none():
 
 
 def test_a_penalty_alone_may_take_a_rank_away():
-    """Geometric means 0.1^(1/2) 10^(1/2) = 1 against 2 at the limit; at ten times it, 3.2."""
+    """A penalty alone may take a rank away.
+
+    Geometric means are 0.1^(1/2) 10^(1/2) = 1 against 2 at the limit; at ten times it, 3.2.
+    """
     table = pd.DataFrame({"a": [0.1, INF], "b": [2.0, 2.0]})
     ranking = costs.ranking(table, 10.0, 0.0)
 
@@ -75,7 +90,10 @@ def test_a_penalty_alone_may_take_a_rank_away():
 
 
 def test_equal_means_share_a_rank():
-    """And one solver alone is first; a table without common questions ranks nobody."""
+    """Equal means share a rank.
+
+    One solver alone is first; a table without common questions ranks nobody.
+    """
     same = pd.DataFrame({"a": [1.0, 2.0], "b": [1.0, 2.0], "c": [3.0, 3.0]})
 
     assert costs.ranking(same, 10.0, 1.0)["rank"].tolist() == [1, 1, 3]
@@ -85,7 +103,11 @@ def test_equal_means_share_a_rank():
 
 
 def test_cost_table_takes_the_median_over_repeats_and_no_half_right_answer():
-    """Question p: a is right thrice, b wrong once; question q was put to a alone, uncounted."""
+    """The cost table takes medians over repeats.
+
+    It takes no half right answer. Question p: a is right thrice, b wrong once; question q was put
+    to a alone, uncounted.
+    """
     rows = pd.DataFrame(
         {
             "scenario": ["p"] * 6 + ["q"],
@@ -103,7 +125,10 @@ def test_cost_table_takes_the_median_over_repeats_and_no_half_right_answer():
 
 @given(tables)
 def test_performance_profile_as_dolan_and_more_define_it(table):
-    """rho_s(tau) = size{p: t_ps <= tau min_s t_ps} / n_p, counted (Dolan and More 2002, sec. 2)."""
+    """The performance profile is Dolan and More's.
+
+    rho_s(tau) = size{p: t_ps <= tau min_s t_ps} / n_p, counted (Dolan and More 2002, sec. 2).
+    """
     profile = costs.performance_profile(table)
 
     assert profile.index[0] == 1.0
@@ -119,7 +144,10 @@ def test_performance_profile_as_dolan_and_more_define_it(table):
 
 
 def test_a_cost_above_the_limit_is_a_failure():
-    """Which counts as so many times the limit; what was not asked stays so."""
+    """A cost above the limit is a failure.
+
+    It counts as so many times the limit; a question that was not asked stays so.
+    """
     paid = costs.penalised(pd.DataFrame({"a": [1.0, 4.0, INF, NAN]}), 3.0, 2.0)["a"].tolist()
 
     assert paid == pytest.approx([1.0, 6.0, 6.0, NAN], nan_ok=True)

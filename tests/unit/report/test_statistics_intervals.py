@@ -1,4 +1,7 @@
-"""Intervals and paired tests against exact distributions, scipy, R and brute force."""
+"""Intervals and paired tests against other computations.
+
+They are exact distributions, scipy, R and brute force.
+"""
 
 import math
 
@@ -37,7 +40,10 @@ STATISTICS = {
 
 @given(st.integers(1, 1000), st.floats(0.01, 0.99))
 def test_the_ends_are_z_standard_errors_from_the_share(trials, share):
-    """The definition: |share - p| = z sqrt(p (1 - p) / n) at both ends p; fractional successes."""
+    """The ends are z standard errors away.
+
+    The definition: |share - p| = z sqrt(p (1 - p) / n) at both ends p; fractional successes.
+    """
     low, high = wilson_intervals(share * trials, trials)
 
     for end in (low, high):
@@ -46,7 +52,10 @@ def test_the_ends_are_z_standard_errors_from_the_share(trials, share):
 
 
 def test_all_none_and_nothing():
-    """The ends are 0 and 1 without rounding; of no trials nothing is known."""
+    """Intervals of all, none and no trials.
+
+    The ends are 0 and 1 without rounding; of no trials nothing is known.
+    """
     ends = wilson_intervals([0, 7, 0], [7, 7, 0])
 
     assert ends[0, 0] == 0.0
@@ -58,14 +67,20 @@ def test_all_none_and_nothing():
 
 
 def shares(rows, **names):
-    """`scenario_shares` of successes `ok` at scenarios `scenario_id`, in groups of solvers."""
+    """`scenario_shares` of successes at scenarios.
+
+    The arguments `ok` and `scenario_id` come in groups of solvers.
+    """
     named = {"by": ["solver"], "success": "ok", "scenario": ["scenario_id"]} | names
     return intervals.scenario_shares(rows, **named)
 
 
 def test_repeats_of_one_scenario_are_one_trial():
-    """Scenario a: 3 of 3, b: 1 of 2, c: 0 of 1: rates 1, 1/2, 0 of three scenarios, not 4 of 6. A
-    missing name is a solver, and a scenario."""
+    """Repeats of one scenario are one trial.
+
+    Scenario a: 3 of 3, b: 1 of 2, c: 0 of 1: rates 1, 1/2, 0 of three scenarios, not 4 of 6. A
+    missing name is a solver, and a scenario.
+    """
     right = [True, True, True, True, False, False]
     rows = pd.DataFrame({"solver": "x", "scenario_id": [*"aaabb", None], "ok": right})
 
@@ -76,7 +91,10 @@ def test_repeats_of_one_scenario_are_one_trial():
 
 
 def resampled(table, scenarios, resamples):
-    """Each resample written out, row by row, from the counts of scenarios."""
+    """Each resample written out, row by row.
+
+    It follows from the counts of scenarios.
+    """
     labels = list(dict.fromkeys(scenarios))
     for counts in intervals.scenario_counts(len(labels), resamples):
         times = dict(zip(labels, counts.astype(int), strict=True))
@@ -84,8 +102,11 @@ def resampled(table, scenarios, resamples):
 
 
 def test_a_resample_draws_each_scenario_as_often_as_by_chance():
-    """With replacement: how often one of seven is drawn is binomial; 20000 resamples leave a share
-    uncertain by 0.0035 (one standard error at 1/2)."""
+    """Resamples draw each scenario by chance.
+
+    They draw with replacement: how often one of seven is drawn is binomial; 20000 resamples leave
+    a share uncertain by 0.0035 (one standard error at 1/2).
+    """
     counts = intervals.scenario_counts(7, 20_000)
     times = [(counts == k).mean(axis=0) for k in range(8)]
 
@@ -106,9 +127,13 @@ def test_a_resample_draws_each_scenario_as_often_as_by_chance():
     )
 )
 def test_medians_and_means_as_of_every_resample_written_out(rows):
-    """numpy's median of each written-out resample, repeats of a scenario (first entry) together;
-    means of the second column, which has no failures."""
-    scenarios, values = [row[0] for row in rows], np.array([row[1:] for row in rows])
+    """Medians and means are those of written-out resamples.
+
+    The first entry is numpy's median of each, with repeats of a scenario together. The second is
+    the mean of the second column, which has no failures.
+    """
+    scenarios = [row[0] for row in rows]
+    values = np.array([row[1:] for row in rows])
     table = pd.DataFrame(values, scenarios, ["a", "b"])
     middle = bootstrap(table, medians, resamples=80).loc["a"]
     mean, average = (
@@ -128,7 +153,10 @@ def test_medians_and_means_as_of_every_resample_written_out(rows):
 
 
 def ends(statistics):
-    """The outermost of the sorted statistics that the two quantiles lie between."""
+    """Outermost statistics between the two quantiles.
+
+    The statistics are sorted; the quantiles lie between these two.
+    """
     known = sorted(value for value in statistics if not math.isnan(value))
     if not known:
         return NAN, NAN
@@ -137,9 +165,12 @@ def ends(statistics):
 
 
 def test_ratios_pair_the_resamples():
-    """A column that is always twice another has the ratio 2 in every resample, and each column
-    has the ratio 1 to itself; independent resamples would give an interval around them. A row that
-    only one of them has does not count."""
+    """Ratios pair the resamples.
+
+    A column that is always twice another has the ratio 2 in every resample, and each column has
+    the ratio 1 to itself; independent resamples would give an interval around them. A row that
+    only one of them has does not count.
+    """
     values = np.random.default_rng(7).lognormal(size=30)
     table = pd.DataFrame({"a": values, "twice": 2 * values})
     table.loc[0, "twice"] = NAN
@@ -154,7 +185,10 @@ def test_ratios_pair_the_resamples():
 
 @pytest.mark.parametrize("name", list(STATISTICS))
 def test_edges(name):
-    """No rows: NaN. One scenario: no spread. A column without values: NaN."""
+    """Edges of intervals.
+
+    No rows: NaN. One scenario: no spread. A column without values: NaN.
+    """
     nothing = bootstrap(pd.DataFrame({"a": [], "b": []}), *STATISTICS[name])
     single = bootstrap(pd.DataFrame({"a": [2.0], "b": [4.0]}), *STATISTICS[name])
     missing = bootstrap(pd.DataFrame({"a": [2.0, 3.0], "b": [NAN, NAN]}), *STATISTICS[name])
@@ -167,7 +201,10 @@ def test_edges(name):
 
 @pytest.mark.slow
 def test_very_many_scenarios_draw_fewer_resamples():
-    """Their counts would take gigabytes; the interval covers the mean and is narrow."""
+    """Very many scenarios draw fewer resamples.
+
+    Their counts would take gigabytes; the interval covers the mean and is narrow.
+    """
     many = pd.DataFrame({"a": np.random.default_rng(4).normal(3.0, 1.0, 50_000)})
 
     (row,) = bootstrap(many, averages).itertuples()
@@ -179,16 +216,23 @@ def test_very_many_scenarios_draw_fewer_resamples():
 
 @pytest.mark.parametrize("of", [1, 7, 67])
 def test_the_extreme_of_several_has_a_wider_interval(of):
-    """All of them lie in such intervals at once: each misses its own with 5 % / `of`."""
+    """The extreme of several has a wider interval.
+
+    All of them lie in such intervals at once: each misses its own with 5 % / `of`.
+    """
     for k, n in ((0, 30), (7, 30), (384, 384)):
         expected = stats.binomtest(k, n).proportion_ci(1 - 0.05 / of, "wilson")
         assert wilson_intervals(k, n, of) == pytest.approx((expected.low, expected.high), abs=1e-12)
 
 
 def brute_force(table, engines, draws=2000):
-    """Percentiles of the mean of a table whose lines and engines are drawn one by one."""
+    """Percentiles of a mean by single draws.
+
+    Lines and engines of the table are drawn one by one.
+    """
     random = np.random.default_rng(5)
-    lines, names = table.index.unique(), sorted(set(engines))
+    lines = table.index.unique()
+    names = sorted(set(engines))
     means = []
     for _ in range(draws):
         rows = np.concatenate(
@@ -202,7 +246,10 @@ def brute_force(table, engines, draws=2000):
 
 
 def test_engines_are_drawn_as_well_as_scenarios():
-    """Against drawing one by one; engines that differ make the interval wide."""
+    """Engines are drawn as well as scenarios.
+
+    Drawing one by one is the comparison; engines that differ make the interval wide.
+    """
     random = np.random.default_rng(1)
     engines = ["a", "a", "b", "c", "d", "e"]
     effect = np.array([0.0, 0.1, 5.0, 1.0, 2.0, 8.0])
@@ -233,7 +280,10 @@ def test_the_sign_test_as_in_scipy(wins, losses):
 
 
 def test_ties_failures_and_what_was_not_asked():
-    """Equal costs and two failures tie; a pair with NaN is none; only ties, or nothing: p = 1."""
+    """Ties, failures and questions not asked.
+
+    Equal costs and two failures tie; a pair with NaN is none; only ties, or nothing: p = 1.
+    """
     outcome = sign_test([1.0, 2.0, INF, INF, NAN, 0.0, 0.0], [1.0, 3.0, INF, 5.0, 1.0, 0.0, 2.0])
 
     assert outcome[:4] == (6, 2, 1, 3)
@@ -257,8 +307,11 @@ def test_ties_failures_and_what_was_not_asked():
     ],
 )
 def test_holm_as_in_r(p, expected):
-    """R's package multtest, mt.rawp2adjp: the values by which statsmodels tests its `multipletests`
-    (statsmodels/stats/tests/test_multi.py, res_multtest1 and 2, column Holm)."""
+    """Holm's correction is R's.
+
+    R's package multtest, mt.rawp2adjp: the values by which statsmodels tests its `multipletests`
+    (statsmodels/stats/tests/test_multi.py, res_multtest1 and 2, column Holm).
+    """
     assert holm(p) == pytest.approx(expected, rel=1e-11)
 
 
@@ -270,7 +323,10 @@ def test_holm_leaves_out_what_was_not_tested():
 
 
 def test_pairs_are_tested_and_corrected():
-    """a is always half of b, and c is b but for the last question: p times what Holm says."""
+    """Pairs are tested and corrected.
+
+    a is always half of b, and c is b but for the last question: p times what Holm says.
+    """
     b = np.arange(1.0, 11.0)
     table = pd.DataFrame({"a": b / 2, "b": b, "c": np.append(b[:-1], INF)})
     frame = paired_tests(table, [("a", "b"), ("a", "c"), ("b", "c")])

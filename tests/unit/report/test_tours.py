@@ -1,4 +1,7 @@
-"""The section on tours: what closes, and proved tours against others; numbers by hand."""
+"""The section on tours, by hand.
+
+It shows which tours close, and proved tours against others.
+"""
 
 import math
 
@@ -71,7 +74,10 @@ def row(name, solver, scenario=None, *, gap=0.0, order=(0, 1), solved=False, **c
 
 
 def rows():
-    """Of tour a the search has a proof, of b none; of c, closed, it has one."""
+    """Rows of three tours.
+
+    Of tour a the search has a proof, of b none; of c, closed, it has one.
+    """
     back = tour(3, closed=True, target_x=None, target_y=None)
     return [
         row("a", EXACT, solved=True, lower_bound=10.0),
@@ -91,7 +97,11 @@ def rows():
 
 
 def test_what_closes_by_hand(load_rows):
-    """A proof of the search, or an optimum of an engine's own program, each in time."""
+    """Closed tours by hand.
+
+    A tour closes by a proof of the search, or by an optimum of an engine's own program, each in
+    time.
+    """
     table = with_points(load_rows("benchmark-tour", rows()).rows)
     cells = by_points(table).set_index(["solver", "label", "points"])
 
@@ -104,7 +114,10 @@ def test_what_closes_by_hand(load_rows):
 
 
 def test_every_engine_closes_in_its_own_words():
-    """Those that the table of statuses calls an optimum, and no others."""
+    """Every engine closes in its own words.
+
+    They are those that the table of statuses calls an optimum, and no others.
+    """
     for engine in ("highs", "scip", "glpk", "cbc", "cp-sat"):
         for meaning, statuses in STATUSES[engine].items():
             for status in statuses:
@@ -113,7 +126,10 @@ def test_every_engine_closes_in_its_own_words():
 
 
 def test_points_do_not_count_the_start():
-    """Whether a tour ends at a target, at any point or at its start."""
+    """Points do not count the start.
+
+    A tour ends at a target, at any point or at its start.
+    """
     three = [
         tour(),
         tour(3, target_x=None, target_y=None),
@@ -125,7 +141,10 @@ def test_points_do_not_count_the_start():
 
 
 def test_gaps_of_answers_and_bounds(load_rows):
-    """Who has no answer has an infinite gap, and no bound is the bound 0."""
+    """Gaps of answers and bounds.
+
+    A missing answer has an infinite gap, and no bound is the bound 0.
+    """
     table = by_engine(with_points(load_rows("benchmark-tour", rows()).rows)).set_index("solver")
 
     assert table.loc[GRID, "gap"] == 0.1
@@ -136,11 +155,14 @@ def test_gaps_of_answers_and_bounds(load_rows):
 
 
 def test_what_an_engine_leaves_open_of_its_own_program(load_rows):
-    """Its message tells, in the words of the solver; a lost attempt left all open."""
-    made = rows()
+    """Gap of an engine's own program.
+
+    Its message tells, in the words of the solver; a lost attempt left all open.
+    """
+    attempts = rows()
     text = "bound 8, gap 0.25, of bounds over 8 intervals a point"
-    made[8] |= {"message": text, "memory_mib": 5.0, "false_bound": True}
-    table = by_engine(with_points(load_rows("benchmark-tour", made).rows)).set_index("solver")
+    attempts[8] |= {"message": text, "memory_mib": 5.0, "false_bound": True}
+    table = by_engine(with_points(load_rows("benchmark-tour", attempts).rows)).set_index("solver")
 
     assert table.loc[BOUNDS, "own_gap"] == pytest.approx(0.25)  # of 25 % and 100 % the lower
     assert math.isnan(table.loc[EXACT, "own_gap"])
@@ -149,7 +171,10 @@ def test_what_an_engine_leaves_open_of_its_own_program(load_rows):
 
 
 def test_the_words_of_a_solver_tell_its_own_gap():
-    """The message that `tour-milp` writes is the one that the report reads."""
+    """A solver's words tell its own gap.
+
+    The message that `tour-milp` writes is the one that the report reads.
+    """
     answer = solve(tour(n=1), "tour-milp[engine=highs,gap=0.5]")
     frame = pd.DataFrame([row("a", GRID, message=answer.message)]).assign(late=False)
 
@@ -157,7 +182,10 @@ def test_the_words_of_a_solver_tell_its_own_gap():
 
 
 def test_what_closes_within_a_second():
-    """Of the questions with as long a limit: a run of 10 s tells of 1 s too, and not of 100 s."""
+    """Tours that close within a second.
+
+    Questions with as long a limit count: a run of 10 s tells of 1 s too, and not of 100 s.
+    """
     lines = [
         row("a", GRID, solved=True, wall_s=0.5, limit_s=10.0),
         row("b", GRID, solved=True, wall_s=5.0, limit_s=10.0),
@@ -172,7 +200,10 @@ def test_what_closes_within_a_second():
 
 
 def test_refuted_optima_by_hand(load_rows):
-    """Of the grid's two proved optima both are longer than the proved tours, by 4 and 10 %."""
+    """Refuted optima by hand.
+
+    Of the grid's two proved optima both are longer than the proved tours, by 4 and 10 %.
+    """
     results = load_rows("benchmark-tour", rows())
     table = by_kind(against_proof(with_points(results.rows), SETTINGS)).set_index("kind")
     grid = table.loc["best tour of 8 headings"]
@@ -185,7 +216,10 @@ def test_refuted_optima_by_hand(load_rows):
 
 
 def test_engines_are_compared_on_the_same_questions(load_rows):
-    """Tour a is the only one that all six solvers were asked."""
+    """Engines are compared on the same questions.
+
+    Tour a is the only one that all six solvers were asked.
+    """
     table = asked_of_most(with_points(load_rows("benchmark-tour", rows()).rows))
 
     assert set(table["scenario_id"]) == {"a"}
@@ -193,10 +227,13 @@ def test_engines_are_compared_on_the_same_questions(load_rows):
 
 
 def test_proved_tours_against_others(load_rows):
-    """Only questions with a proof; of a grid the optimum; a closed tour may be driven back."""
+    """Proved tours against others.
+
+    Only questions with a proof count; of a grid the optimum; a closed tour may be driven back.
+    """
     results = load_rows("benchmark-tour", rows())
     compared = against_proof(with_points(results.rows), SETTINGS)
-    found = {
+    gaps = {
         (kind, name): (gap, other)
         for kind, name, gap, other in zip(
             compared["kind"],
@@ -207,7 +244,7 @@ def test_proved_tours_against_others(load_rows):
         )
     }
 
-    assert found == {
+    assert gaps == {
         ("best tour of 8 headings", "a"): (0.04, False),
         ("best tour of 8 headings", "c"): (0.1, False),  # 1 0 2 is 2 0 1 driven back
         ("order by straight lines, best headings", "a"): (0.0, False),
@@ -228,23 +265,27 @@ def test_the_section_says_what_is_proved(load_rows):
 
 
 def test_a_page_of_tours_of_all_ends(results, tmp_path):
-    """Free starts, closed tours, none arriving: what the page draws and asks again is there."""
-    made = []
+    """A page of tours of all ends.
+
+    There are free starts, closed tours, none arriving: what the page draws and asks again is
+    there.
+    """
+    attempts = []
     for number, changes in enumerate(
         ({}, {"heading": None}, {"target_x": None, "target_y": None, "closed": True})
     ):
         scenario = tour(3, label=SPARSE, **changes)
         path = shortest_route(scenario, limit=1.0).path
         line = attempt(scenario, EXACT, path=path, formulation="closed form")
-        made.append(line | {"scenario_id": str(number)})
-    made.append(lost(tour(label=SPARSE), GRID, formulation="tour MILP"))
-    folder = results("benchmark-tour", made)
+        attempts.append(line | {"scenario_id": str(number)})
+    attempts.append(lost(tour(label=SPARSE), GRID, formulation="tour MILP"))
+    folder = results("benchmark-tour", attempts)
     page = topic_page(folder, tmp_path / "out", "tours", "single attempts", "failures")
     loaded = load([folder])
     shown = unpacked(sample(loaded, 10))
 
     scenarios = shown["scenarios"]
-    starts = {row["scenario_id"]: row["start_heading"] for row in made}
+    starts = {row["scenario_id"]: row["start_heading"] for row in attempts}
     order = [scenarios["scenario_id"][place] for place in shown["columns"]["scenario"]]
 
     assert 'id="tours"' in page.read_text(encoding="utf-8")

@@ -1,4 +1,7 @@
-"""Two runs compared: made-up rows whose changes are known, and SciPy's tests beside ours."""
+"""Two runs compared.
+
+The rows are made up, with known changes; SciPy's tests stand beside ours.
+"""
 
 import json
 import shlex
@@ -19,7 +22,10 @@ OLD, NEW = "111111111111", "222222222222"
 
 
 def rows(solver="mine", digest=OLD, time=1e-3, wrong=(), scenarios=SCENARIOS, **changes):
-    """One attempt a scenario; at the scenarios of `wrong` no path comes back."""
+    """One attempt a scenario.
+
+    At the scenarios of `wrong` no path comes back.
+    """
     return [
         attempt(
             scenario,
@@ -53,11 +59,15 @@ def test_a_run_compared_with_itself_has_no_change(results):
 
 
 def test_lost_answers_are_named_with_their_scenarios_and_commands(results):
-    """Each question that is no longer right has a line; the paired test is McNemar's exact one."""
+    """Lost answers have scenarios and commands.
+
+    Each question that is no longer right has a line; the paired test is McNemar's exact one.
+    """
     base = results("a", rows(wrong=(0,)))
     new = results("b", rows(digest=NEW, wrong=(3, 5, 7, 8, 9, 10)))
     comparison = compare(base, new)
-    line, worse = of(comparison), comparison.regressions
+    line = of(comparison)
+    worse = comparison.regressions
 
     assert (line["lost"], line["gained"], line["questions"]) == (6, 1, 12)
     assert (line["right_base"], line["right_new"]) == (11 / 12, 6 / 12)
@@ -71,11 +81,15 @@ def test_lost_answers_are_named_with_their_scenarios_and_commands(results):
 
 
 def test_the_machine_is_taken_out_by_solvers_of_the_same_code(results):
-    """A control that took 1.5 times as long divides the times of the solver that changed."""
+    """Solvers of the same code cancel the machine.
+
+    A control that took 1.5 times as long divides the times of the solver that changed.
+    """
     base = results("a", rows(time=1e-3) + rows("still", time=2e-3))
     new = results("b", rows(digest=NEW, time=3e-3) + rows("still", time=3e-3))
     comparison = compare(base, new)
-    line, still = of(comparison), of(comparison, "still")
+    line = of(comparison)
+    still = of(comparison, "still")
 
     assert comparison.speed.ratio == pytest.approx(1.5, rel=1e-12)
     assert line["time_ratio"] == pytest.approx(3 / 1.5, rel=1e-12)
@@ -89,7 +103,10 @@ def test_the_machine_is_taken_out_by_solvers_of_the_same_code(results):
 
 
 def test_no_solver_is_slower_where_every_solver_changed(results):
-    """Then nothing says what the machine did."""
+    """No solver is slower if all have changed.
+
+    Then nothing says what the machine did.
+    """
     without = compare(results("c", rows(time=1e-3)), results("d", rows(digest=NEW, time=9e-3)))
 
     assert without.speed is None
@@ -98,7 +115,10 @@ def test_no_solver_is_slower_where_every_solver_changed(results):
 
 
 def test_false_claims_denials_and_accuracy_are_kinds_of_their_own(results):
-    """A new false claim, a denial that is gone, and a gap that grew tenfold."""
+    """Claims, denials and accuracy are separate kinds.
+
+    There are a new false claim, a denial that is gone, and a gap that grew tenfold.
+    """
     near = SCENARIOS[0]
     exact = attempt(near, "mine", scenario_id="1", gap=1e-6, code_digest=OLD)
     coarse = exact | {"gap": 3e-5, "code_digest": NEW}
@@ -120,7 +140,10 @@ def test_false_claims_denials_and_accuracy_are_kinds_of_their_own(results):
 
 
 def test_repeats_are_one_question(results):
-    """A question that is right in half of its repeats is neither lost nor gained."""
+    """Repeats are one question.
+
+    A question that is right in half of its repeats is neither lost nor gained.
+    """
     first, second = (
         [row | {"repeat": repeat} for row in rows(digest=digest, wrong=wrong)]
         for repeat, digest, wrong in ((0, NEW, (1,)), (1, NEW, ()))
@@ -132,7 +155,10 @@ def test_repeats_are_one_question(results):
 
 
 def test_a_solver_that_is_right_in_fewer_repeats_is_worse(results):
-    """No question is lost altogether, yet each is right in one of three repeats: 12 of 12 fell."""
+    """Fewer right repeats make a solver worse.
+
+    No question is lost altogether, yet each is right in one of three repeats: 12 of 12 fell.
+    """
     every, fewer = [], rows(digest=NEW, repeat=0)
     for repeat in range(3):
         every += rows(repeat=repeat)
@@ -150,7 +176,10 @@ def test_a_solver_that_is_right_in_fewer_repeats_is_worse(results):
 
 
 def test_what_only_one_run_was_asked_is_counted_apart(results):
-    """A solver that is missing and questions that are missing are in a table of their own."""
+    """Questions of one run alone are counted apart.
+
+    A solver that is missing and questions that are missing are in a table of their own.
+    """
     base = results("a", rows() + rows("gone"))
     new = results("b", rows(digest=NEW, scenarios=SCENARIOS[:9]), versions={"numpy": "9"})
     comparison = compare(base, new)
@@ -165,7 +194,10 @@ def test_what_only_one_run_was_asked_is_counted_apart(results):
 
 @pytest.mark.slow
 def test_a_run_that_lacks_what_it_was_asked_has_become_worse(results):
-    """Cells without a row fail a comparison; questions that were never asked do not."""
+    """A run without asked cells has become worse.
+
+    Cells without a row fail a comparison; questions that were never asked do not.
+    """
     entry = {"settings": {}, "code_digest": NEW, "cells": 12}
     base = results("a", rows())
     part = results("b", rows(digest=NEW, scenarios=SCENARIOS[:9]), solvers={"mine": entry})
@@ -191,7 +223,11 @@ def test_runs_without_a_common_question_are_refused(results):
 
 @pytest.mark.slow
 def test_the_command_its_exit_codes_and_its_page(results, tmp_path):
-    """0; 1 with --fail-on-regression if something is worse; 2 for a bad request; hostile names."""
+    """The command has exit codes and a page.
+
+    They are 0; 1 with --fail-on-regression if something is worse; 2 for a bad request. Names are
+    hostile.
+    """
     name = "<script>alert(1)</script>&[x=1]"
     scenarios = [replace(s, label="<b>$HOME`x`\u202e") for s in SCENARIOS]
     base = results("a", rows(name, scenarios=scenarios))

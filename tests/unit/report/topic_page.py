@@ -1,4 +1,7 @@
-"""Pages of a few topics, for the tests of one of them; pages with PDF files."""
+"""Pages of a few topics, for their tests.
+
+Pages can have PDF files.
+"""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -27,7 +30,10 @@ def topic_page(folders: FilePath | list[FilePath], out: FilePath, *titles: str) 
 
 @contextmanager
 def with_pdf_files() -> Iterator[None]:
-    """Draw the PDF files of figures too, which the fixture `svg_alone` leaves out."""
+    """Draw the PDF files of figures too.
+
+    The fixture `svg_alone` leaves them out.
+    """
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("dubins_study.report.page.render.figure_bytes", figure_bytes)
         yield
@@ -35,7 +41,10 @@ def with_pdf_files() -> Iterator[None]:
 
 @contextmanager
 def without_pdf_files() -> Iterator[None]:
-    """Draw figures as SVG alone: fonts are cut for every PDF anew, a third of what a page costs."""
+    """Draw figures as SVG alone.
+
+    Fonts are cut for every PDF anew: a third of what a page costs.
+    """
 
     def drawn(figure: Figure, kind: str) -> bytes:
         return b"%PDF" if kind == "pdf" else figure_bytes(figure, kind)

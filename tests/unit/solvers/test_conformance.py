@@ -1,4 +1,7 @@
-"""What every registered solver must do, whatever its method."""
+"""Rules for every registered solver.
+
+Its method does not matter.
+"""
 
 import math
 from dataclasses import replace
@@ -44,7 +47,10 @@ ALWAYS = ("analytic", "slsqp")
 
 
 def test_every_entry_says_what_it_is():
-    """Name, method, guarantee, branches and a line of summary, available or not."""
+    """Every entry describes itself.
+
+    It has name, method, guarantee, branches and a line of summary, available or not.
+    """
     assert {"analytic", "slsqp", "ipopt", "turn-rate-qp"} <= set(registered())
     for entry in entries():
         assert entry.formulation in FORMULATIONS or entry.branches == (FROZEN,)
@@ -93,7 +99,9 @@ def test_paper_problems(name, branch, problem):
 @settings(max_examples=25)
 @given(scenario=scenarios(far=1000.0))
 def test_words_are_right_or_said_not_to_be(spec, branch, scenario):
-    """Where the word exists it is found; where it does not, no path is claimed.
+    """Words are right or said not to be.
+
+    Where the word exists it is found; where it does not, no path is claimed.
 
     Of the two isolated solutions of LR and RL the shorter one is the branch's answer.
     """
@@ -131,7 +139,10 @@ def test_a_branch_it_cannot_answer_is_a_row(name):
     [pytest.param(n, marks=[] if n in ALWAYS else pytest.mark.slow) for n in available_solvers()],
 )
 def test_profiles_are_accepted(name):
-    """Every solver runs under every profile, and `accurate` is no worse than `fast`."""
+    """Profiles are accepted.
+
+    Every solver runs under every profile, and `accurate` is no worse than `fast`.
+    """
     profiles = ("fast", "default", "accurate")
     gaps = {p: solve(*question_for(name, EASY), profile=p).gap for p in profiles}
 
@@ -162,7 +173,9 @@ TWO_ARCS = {
     ],
 )
 def test_multipliers_are_the_costates(scenario, spec, error):
-    """Duals, where a solver has them, are -(nu1, nu2) / nu0 of the path (derivation, section 9).
+    """Multipliers are the costates.
+
+    Duals, where a solver has them, are -(nu1, nu2) / nu0 of the path (derivation, section 9).
 
     Of a path that ends straight this is its direction there, of two arcs the second one's chord
     divided by cos(a2 / 2).
@@ -190,8 +203,12 @@ def test_multipliers_are_the_costates(scenario, spec, error):
 )
 @pytest.mark.parametrize("limit", [0.0, 1e-9])
 def test_no_time_is_a_limit(spec, limit):
-    """No exception, and nothing claimed of a point, if there is one."""
-    solver, question = load(spec), Question(PAPER["problem 1"])
+    """No time is a limit.
+
+    There is no exception, and nothing is claimed of a point, if there is one.
+    """
+    solver = load(spec)
+    question = Question(PAPER["problem 1"])
     solution = solver.solve(solver.build(question), limit)
 
     assert solution.claim is Claim.LIMIT

@@ -1,4 +1,7 @@
-"""`convex`: engines of frozen problems, and these beside what freezing gives."""
+"""`convex`: engines of frozen problems, and freezing.
+
+The packaged problems stand beside what freezing gives.
+"""
 
 from dataclasses import replace
 from itertools import product
@@ -35,25 +38,32 @@ def route(label):
     [*((engine, QP) for engine in ENGINES), *product(CONIC, (TUBE, TIME))],
 )
 def test_every_engine_meets_the_proven_optimum(engine, interface, name):
-    """Point and multipliers keep the tolerance in every sign and order of rows."""
+    """Every engine meets the proven optimum.
+
+    Point and multipliers keep the tolerance in every sign and order of rows.
+    """
     if reason := missing_package(ENGINES[engine].package, "cvxpy"):
         pytest.skip(reason)
-    problem, tolerance = read(name), 1e-6
+    problem = read(name)
+    tolerance = 1e-6
 
     reply = prepare(engine, interface, problem)(Ask(tolerance, 60.0))
-    found = residuals(problem, reply.point)
+    residual = residuals(problem, reply.point)
 
     assert reply.claim is Claim.OPTIMAL, reply.status
     apart = 100 * tolerance if engine == "proxqp" else 10 * tolerance  # it does not check the gap
-    assert found.primal <= tolerance
-    assert found.dual <= 10 * tolerance  # Clarabel's and ECOS's tolerance is relative
-    assert found.gap <= apart
+    assert residual.primal <= tolerance
+    assert residual.dual <= 10 * tolerance  # Clarabel's and ECOS's tolerance is relative
+    assert residual.gap <= apart
     assert abs(upper_bound(problem, reply.point.x) - reference(name)[1]) <= 2 * apart
 
 
 @pytest.mark.parametrize(("engine", "least"), [("osqp", 1e-12), ("proxqp", 1e-8)])
 def test_tuned_options_are_those_that_the_makers_advise(engine, least):
-    """Polishing brings OSQP from three digits to rounding; ProxQP looks at the gap."""
+    """Tuned options are those that makers advise.
+
+    Polishing brings OSQP from three digits to rounding; ProxQP looks at the gap.
+    """
     reply = prepare(engine, "own", read(QP))(Ask(1e-3 if engine == "osqp" else 1e-9, 60.0, True))
 
     assert reply.claim is Claim.OPTIMAL
@@ -62,15 +72,22 @@ def test_tuned_options_are_those_that_the_makers_advise(engine, least):
 
 
 def test_the_questions_of_the_kit_are_packaged_problems():
-    """Each example is the route of the problem that its name tells."""
+    """The questions of the kit are packaged problems.
+
+    Each example is the route of the problem that its name tells.
+    """
     for name, scenario in FROZEN_PROBLEM.examples.items():
         assert route(name) == replace(scenario, label=name)
     assert route(FROZEN_ROUTE.label) == FROZEN_ROUTE
 
 
 def test_an_attempt_is_judged_by_the_proof():
-    """The row's numbers are those of the proven problem; no other label is answered."""
-    solver, low = Convex(engine="clarabel", tolerance=1e-6), reference(QP)[0]
+    """An attempt is judged by the proof.
+
+    The row's numbers are those of the proven problem; no other label is answered.
+    """
+    solver = Convex(engine="clarabel", tolerance=1e-6)
+    low = reference(QP)[0]
 
     answer = attempt(solver, Question(route(QP), FROZEN))
     other = attempt(solver, Question(replace(route(QP), label="my route"), FROZEN))
@@ -87,7 +104,10 @@ def test_an_attempt_is_judged_by_the_proof():
 
 
 def test_no_engine_is_given_the_answer(monkeypatch):
-    """The problem that a solver builds holds neither the proven point nor the interior."""
+    """No engine is given the answer.
+
+    The problem that a solver builds holds neither the proven point nor the interior.
+    """
     given = []
     monkeypatch.setattr(
         "dubins_study.solvers.convex.solver.prepare",
@@ -110,27 +130,36 @@ def test_an_engine_without_cones_refuses_them():
 
 @pytest.mark.parametrize("family", ["qp", "tube", "time"])
 def test_packaged_problems_are_those_that_freezing_gives(family, made_anew):
-    """Up to the rounding of the machine that wrote them."""
-    made = made_anew[family]
-    stored = read(made.name)
+    """Freezing gives the packaged problems.
 
-    assert replace(made.route, label=made.name) == route(made.name)
+    They are equal up to the rounding of the machine that wrote them.
+    """
+    problem = made_anew[family]
+    stored = read(problem.name)
+
+    assert replace(problem.route, label=problem.name) == route(problem.name)
     for name in ("p", "q", "l", "u", "lb", "ub", "d"):
-        anew, before = getattr(made.problem, name), getattr(stored, name)
+        anew = getattr(problem.problem, name)
+        before = getattr(stored, name)
         assert anew == pytest.approx(before, rel=1e-5, abs=1e-9)
     for name in ("A", "C"):
-        difference = getattr(made.problem, name) - getattr(stored, name)
+        difference = getattr(problem.problem, name) - getattr(stored, name)
         assert np.abs(difference.toarray()).max(initial=0) <= 1e-6
 
 
 @pytest.fixture(scope="module")
 def made_anew():
-    """The last problem of each family of 50 variables, frozen here."""
+    """The last problem of each family, frozen here.
+
+    It has 50 variables.
+    """
     return {made.name.split("-")[0]: made for made in chosen(50)}
 
 
 def test_the_fastest_drive_by_hand():
-    """From rest's neighbour a straight is driven at full acceleration, then at full braking.
+    """The fastest drive by hand.
+
+    From rest's neighbour a straight is driven at full acceleration, then at full braking.
 
     Along 2 radii, from v^2 = 0.01 to 0.01: with 1/2 up and 1 down the top is where both meet, at
     two thirds of the way, and v^2 = 0.01 + 4/3.
@@ -138,7 +167,8 @@ def test_the_fastest_drive_by_hand():
     steps = 300
     path = Path(Pose(0.0, 0.0, 0.0), np.zeros(steps), np.full(steps, 2 / steps))
     drive = best_drive(fastest(path))
-    top, slow = np.sqrt(0.01 + 4 / 3), 0.1
+    top = np.sqrt(0.01 + 4 / 3)
+    slow = 0.1
     seconds = (top - slow) / 0.5 + (top - slow) / 1.0
 
     reply = prepare("clarabel", "own", fastest(path))(Ask(1e-8, 60.0))

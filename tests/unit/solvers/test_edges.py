@@ -1,4 +1,6 @@
-"""Targets on and beside the edges: one meaning for the closed form, other solvers and the check.
+"""Targets on and beside the edges.
+
+They mean the same for the closed form, other solvers and the check.
 
 The campaign holds frames and the check beside the truth for each of `FOUND`.
 """
@@ -33,7 +35,9 @@ BRANCH = {
 @pytest.mark.parametrize("name", FOUND)
 @pytest.mark.parametrize("solver", ["analytic", "shooting", "slsqp"])
 def test_right_answers_are_right(name, solver):
-    """Whichever target within delta a solver answers for, its length is right.
+    """Right answers are right.
+
+    Whichever target within delta a solver answers for, its length is right.
 
     The closed form's is proved, too. Next to the start other solvers answer for a target farther
     off than delta, as their tolerances allow, which is right but proves nothing.
@@ -68,10 +72,17 @@ def test_a_full_turn_to_a_target_that_is_the_start_exactly_is_longer():
     st.floats(-1.0, 1.0),
 )
 def test_on_a_front_half_both_lengths_are_right_and_none_between(angle, offset, heading, off):
-    """Beside the circle by up to delta / 2 the arc and the path from inside are both right."""
+    """On a front half two lengths are right.
+
+    None between them is. Beside the circle by up to delta / 2 the arc and the path from inside are
+    both right.
+    """
 
     def seen(r: float) -> Scenario:
-        """A target seen from C_L under an arc angle, at a distance r."""
+        """A target seen from C_L.
+
+        It is seen under an arc angle, at a distance r.
+        """
         return placed(r * math.sin(angle), 1 - r * math.cos(angle), offset, -offset, heading)
 
     scenario = seen(1 + off * 0.4 * local(seen(1.0)).delta)
@@ -80,9 +91,9 @@ def test_on_a_front_half_both_lengths_are_right_and_none_between(angle, offset, 
     around = as_path(scenario.start, scenario.radius, inside.word, inside.segments)
 
     for path in (arc, around):
-        judged = judge(scenario, path, Claim.OPTIMAL)
-        assert (judged.verdict, judged.region) == ("optimal", "circle"), path
-        assert certify(scenario, path, judged).proof == "proved"
+        judgement = judge(scenario, path, Claim.OPTIMAL)
+        assert (judgement.verdict, judgement.region) == ("optimal", "circle"), path
+        assert certify(scenario, path, judgement).proof == "proved"
     assert around.length - arc.length > 0.1
     longer = as_path(scenario.start, scenario.radius, "L", (angle + 2 * math.pi, 0.0))
     assert judge(scenario, longer, Claim.OPTIMAL).false_claim

@@ -1,4 +1,7 @@
-"""Exported models: read back, solved, and evaluated at the closed form's solutions."""
+"""Exported models are read back and solved.
+
+They are also evaluated at the closed form's solutions.
+"""
 
 import math
 import re
@@ -37,33 +40,45 @@ def read_nl(text, folder):
 
 
 def names_in(text):
-    """The variables' names, in order, from the first line of an NL file."""
+    """Names of the variables, in order.
+
+    They stand in the first line of an NL file.
+    """
     return text.partition("\n")[0].partition("variables ")[2].split()
 
 
 def paper_points(scenario, order):
-    """The closed form's path of every word that an order holds, as (z1, z2, z3)."""
+    """Closed-form paths of an order's words.
+
+    They are given as (z1, z2, z3).
+    """
     for word, places in PLACES[order].items():
-        found = shortest(scenario, word)
-        if found is not None:
+        optimum = shortest(scenario, word)
+        if optimum is not None:
             z = np.zeros(3)
-            z[list(places)] = found.segments
+            z[list(places)] = optimum.segments
             yield z * scenario.radius
 
 
 def evaluate(expression, values):
-    """The value of an AMPL or GAMS expression in +, -, *, /, sin and cos."""
+    """Value of an AMPL or GAMS expression.
+
+    It has +, -, *, /, sin and cos.
+    """
     assert re.fullmatch(r"[\w\s.+*/()-]+", expression), expression
     return eval(expression.strip(), {"sin": math.sin, "cos": math.cos}, dict(values))
 
 
 def mod_residuals(text, z):
-    """Left-hand sides of a .mod file's constraints at (z1, z2, z3), and its objective.
+    """Constraints' left sides of a .mod file.
+
+    They are evaluated at (z1, z2, z3), and so is its objective.
 
     A small reader of its own: comments off, statements split at semicolons, in their order.
     """
     values = dict(zip(("z1", "z2", "z3"), z, strict=True))
-    residuals, objective = {}, None
+    residuals = {}
+    objective = None
     for statement in re.sub(r"#.*", "", text).split(";"):
         words = statement.split(maxsplit=2)
         if not words:
@@ -85,14 +100,20 @@ def mod_residuals(text, z):
 
 
 def gams_equations(text):
-    """(name, left, relation, right) of every equation in a GAMS file."""
+    """Every equation in a GAMS file.
+
+    It is (name, left, relation, right).
+    """
     return re.findall(r"^(\w+)\.\. (.*) (=[el]=) (.*) ;$", text, re.MULTILINE)
 
 
 @pytest.mark.parametrize("order", ORDERS["paper"])
 @pytest.mark.parametrize("name", CASES)
 def test_the_closed_form_solves_the_papers_model_in_every_format(name, order, tmp_path):
-    """Every word of an order is a feasible point, and its length the objective, in each file.
+    """The closed form solves the model in every format.
+
+    It is the paper's model. Every word of an order is a feasible point, and its length the
+    objective, in each file.
 
     Coordinates of up to 85 units and sums of a few terms leave 1e-13 units at most.
     """
@@ -128,7 +149,10 @@ def test_the_closed_form_solves_the_papers_model_in_every_format(name, order, tm
 
 
 def test_the_starting_point_of_every_format_is_the_same(tmp_path):
-    """And not AMPL's zero, unless the target's direction says so."""
+    """Every format has the same starting point.
+
+    It is not AMPL's zero, unless the target's direction says so.
+    """
     scenario = CASES["right disc, R=3"]
 
     nl = read_nl(export(scenario, "paper", "nl"), tmp_path).x_init
@@ -142,7 +166,11 @@ def test_the_starting_point_of_every_format_is_the_same(tmp_path):
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["problem 1", "off centre in the left disc", "at the start"])
 def test_the_disjunctive_nl_file_is_solved_to_the_shortest_length(name, tmp_path):
-    """SCIP's own reader, SCIP's own proof; it meets each equation to 1e-6 and gains by a few."""
+    """SCIP solves the disjunctive NL file.
+
+    The length is the shortest. SCIP has its own reader and its own proof; it meets each equation
+    to 1e-6 and gains by a few.
+    """
     scenario = CASES.get(name) or EDGES[name]
     file = tmp_path / "model.nl"
     file.write_text(export(scenario, "disjunctive", "nl"))
@@ -158,14 +186,18 @@ def test_the_disjunctive_nl_file_is_solved_to_the_shortest_length(name, tmp_path
 
 @pytest.mark.parametrize("name", CASES)
 def test_the_closed_form_solves_the_disjunctive_model(name, tmp_path):
-    """The shortest path satisfies every row of both files, its word's binary being 1."""
+    """The closed form solves the disjunctive model.
+
+    The shortest path satisfies every row of both files, its word's binary being 1.
+    """
     scenario = CASES[name]
     optimum = shortest(scenario)
     first, second = optimum.segments
     straight = optimum.word[1] == "S"
     values = {"w[0]": second if straight else 0.0}
     for name, arc in {"alpha": first, "gamma": 0.0 if straight else second}.items():
-        angle, quarter = f"0,{name}", math.pi / 2
+        angle = f"0,{name}"
+        quarter = math.pi / 2
         quadrant = min(int(arc / quarter), 3)
         q = values[f"q[{angle}]"] = arc - quadrant * quarter
         values |= {f"z[{angle}]": arc, f"c[{angle}]": math.cos(arc), f"s[{angle}]": math.sin(arc)}
@@ -201,7 +233,10 @@ def test_the_closed_form_solves_the_disjunctive_model(name, tmp_path):
 
 
 def test_a_label_stays_out_of_the_file():
-    """A label is any text, with line ends too; a file is a program."""
+    """A label stays out of the file.
+
+    A label is any text, with line ends too; a file is a program.
+    """
     labelled = Scenario(0, 0, 0, 1, 2, 1, label="x\n; shell 'ls';")
 
     for model, format, order in KINDS:

@@ -1,4 +1,7 @@
-"""The list of false claims, put to the engines again: `tests/false_claims.toml`."""
+"""The list of false claims, replayed by the engines.
+
+The list is `tests/false_claims.toml`.
+"""
 
 import tomllib
 import warnings
@@ -41,7 +44,10 @@ REPLAYED = [claim for claim in CLAIMS if installed(claim["solver"])]
 
 @pytest.mark.parametrize("claim", REPLAYED, ids=name)
 def test_the_claim_is_still_false(claim):
-    """With the version that it was seen with; with another one a warning says what has changed."""
+    """The claim is still false.
+
+    It was seen with one version; with another one a warning says what has changed.
+    """
     answer = ask(claim, claim["solver"])
     ((package, seen),) = claim["seen_with"].items()
 
@@ -65,7 +71,10 @@ def test_what_cures_it_is_right(claim):
 
 
 def test_every_entry_can_be_replayed():
-    """Its solvers exist, its kind is known, one version is named; SCIP's are replayed anywhere."""
+    """Every entry can be replayed.
+
+    Its solvers exist, its kind is known, one version is named; SCIP's are replayed anywhere.
+    """
     for claim in CLAIMS:
         assert set(claim) - {"branch"} == {
             *("solver", "target", "kind", "seen_with", "cured_by", "why")

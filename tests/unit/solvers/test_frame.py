@@ -1,4 +1,7 @@
-"""solve_frame: one judged row a scenario, the same columns whatever the solver."""
+"""solve_frame: one judged row a scenario.
+
+The columns are the same whatever the solver.
+"""
 
 from dataclasses import dataclass
 from functools import partial
@@ -42,7 +45,10 @@ FRAME = pd.DataFrame(
 
 
 def random_poses(n: int, seed: int) -> pd.DataFrame:
-    """n legs with a final heading, up to 30 radii long."""
+    """n legs with a final heading.
+
+    They are up to 30 radii long.
+    """
     x, y, tx, ty = np.random.default_rng(seed).uniform(-10, 10, (4, n))
     heading, final = np.random.default_rng(seed + 1).uniform(-6, 6, (2, n))
     points = {"x": x, "y": y, "heading": heading, "target_x": tx, "target_y": ty}
@@ -61,7 +67,10 @@ KINDS = {
     ("kind", "branch"), [(kind, b) for kind, (_, branches) in KINDS.items() for b in branches]
 )
 def test_a_frame_says_what_single_attempts_say(kind, branch):
-    """Texts and flags equal; numbers to 1e-11 of the radius and coordinates, references to 1e-7."""
+    """A frame agrees with single attempts.
+
+    Texts and flags are equal; numbers to 1e-11 of the radius and coordinates, references to 1e-7.
+    """
     frame = KINDS[kind][0]()
     rows = solve_frame(frame, branch=branch, certified=True)
 
@@ -90,7 +99,10 @@ def test_a_frame_says_what_single_attempts_say(kind, branch):
 
 
 def test_poses_are_answered_in_compiled_loops(monkeypatch):
-    """The shortest paths, and rows without one: the scalar check judges one in a hundred."""
+    """Poses are answered in compiled loops.
+
+    Rows are the shortest paths, and some have none: the scalar check judges one in a hundred.
+    """
     calls = []
     monkeypatch.setattr(verdict_frame, "judge", lambda *asked: calls.append(asked) or judge(*asked))
     frame = random_poses(1000, seed=2)
@@ -116,7 +128,10 @@ def test_rows_shared_out_among_threads_are_those_of_small_frames(dropped, monkey
 
 @pytest.mark.parametrize("free", [None, np.nan, pd.NA])
 def test_free_and_given_headings_and_routes_in_one_frame(free):
-    """Each row as in a frame of its own kind, in its place; what is missing is free."""
+    """Free headings, given ones and routes in one frame.
+
+    Each row is as in a frame of its own kind, in its place; what is missing is free.
+    """
     frame = pd.concat([FRAME] * 2).assign(
         final_heading=pd.Series([free, 0.5, free, 1, free, "90deg"], dtype=object).array,
         via_x=pd.Series([None, None, [6, 2], None, None, None], dtype=object).array,
@@ -130,12 +145,16 @@ def test_free_and_given_headings_and_routes_in_one_frame(free):
         for name in COLUMNS:
             if name not in TIMES:
                 assert rows[name].dtype.kind == alone[name].dtype.kind
-                found, expected = rows[name].iloc[kind].tolist(), alone[name].tolist()
-                assert str(found) == str(expected), name
+                value = rows[name].iloc[kind].tolist()
+                expected = alone[name].tolist()
+                assert str(value) == str(expected), name
 
 
 def test_answers_can_be_asked_again_and_other_columns_are_carried():
-    """An answer's own columns are answered anew; the caller's stay as they are."""
+    """Answers can be asked again.
+
+    An answer's own columns are answered anew; the caller's stay as they are.
+    """
     frame = FRAME.assign(wind=["a", None, "c"], word="LSR", radius_2=5.0).set_axis([7, 7, 7])
     before = frame.copy(deep=True)
     rows = solve_frame(frame)
@@ -162,7 +181,10 @@ def test_same_columns_and_index_whatever_the_solver(solver, rows):
 
 
 def test_missing_is_null():
-    """No path: no lengths, no word, null lists; nothing is a NaN inside Arrow."""
+    """Missing values are null.
+
+    Without a path there are no lengths, no word, and null lists; nothing is a NaN inside Arrow.
+    """
     answers = solve_frame(FRAME, branch="LS")
     near = answers.loc["near"]
 

@@ -1,4 +1,7 @@
-"""disjunctive and global-nlp: the models, the engines, and what is claimed of their answers."""
+"""disjunctive and global-nlp.
+
+Tested are the models, the engines, and what is claimed of their answers.
+"""
 
 import math
 import os
@@ -71,7 +74,9 @@ IN_DISCS = [(-0.8, 0.5), (0.8, -1.5), (-0.4, -0.8), (0.4, 1.1)]
 
 @pytest.mark.parametrize("target", CUT_OFF + IN_DISCS)
 def test_no_optimum_is_cut_off(target):
-    """The bound does not exceed the shortest length, and a path is found.
+    """No optimum is cut off.
+
+    The bound does not exceed the shortest length, and a path is found.
 
     In discs to the gap that the setting promises.
     """
@@ -92,7 +97,10 @@ def test_no_optimum_is_cut_off(target):
 @pytest.mark.parametrize("angle", [0.3, 2.0, 4.0])
 @pytest.mark.parametrize("factor", [1.0, -1.0])
 def test_on_a_circle_the_arc_is_proven(angle, factor):
-    """Every word shares the one arc there, and LS and RL have double solutions."""
+    """On a circle the arc is proven.
+
+    Every word shares the one arc there, and LS and RL have double solutions.
+    """
     answer = ask(math.sin(angle), factor * (1 - math.cos(angle)))
 
     assert answer.claim is Claim.OPTIMAL, answer.message
@@ -103,7 +111,11 @@ def test_on_a_circle_the_arc_is_proven(angle, factor):
 
 @pytest.mark.parametrize("angle", [0.3, 2.0])
 def test_inside_a_circle_by_less_than_the_tolerance_nothing_is_proven(angle):
-    """The shortest path is nearly a full turn longer than one that misses by 1e-10: no proof."""
+    """Next to a circle, inside, nothing is proven.
+
+    The target is inside by less than the tolerance. The shortest path is nearly a full turn longer
+    than one that misses by 1e-10: no proof.
+    """
     r = 1 - 1e-10
     answer = ask(r * math.sin(angle), 1 - r * math.cos(angle))
 
@@ -117,7 +129,10 @@ def test_inside_a_circle_by_less_than_the_tolerance_nothing_is_proven(angle):
 @settings(max_examples=25)
 @given(scenario=scenarios(far=1000.0), branch=st.sampled_from(WORDS))
 def test_words_are_proven_to_be_there_or_not(scenario, branch):
-    """Away from where words begin and end, the claim is the closed form's and the bound holds."""
+    """Words are proven to exist or not.
+
+    Away from where words begin and end, the claim is the closed form's and the bound holds.
+    """
     X, Y = scenario.local()
     # a word's domain ends on circles of radius 1 or 3, LS and RS jump by a full turn on the axis
     reach = [abs(math.hypot(X, Y - side) - r) for side in (1, -1) for r in (1, 3)]
@@ -149,7 +164,11 @@ POSED = [
     [(3.0, 2.0), *(pytest.param(t, marks=pytest.mark.slow) for t in ((-1.0, 2.5), (0.4, -1.9)))],
 )
 def test_every_engine_proves_the_optimum(engine, kind, settings_, programs, target, capfd):
-    """Outside, behind and inside a disc, in silence: the shortest length, and a bound up to it."""
+    """Every engine proves the optimum.
+
+    Targets are outside, behind and inside a disc. In silence an engine has the shortest length,
+    and a bound up to it.
+    """
     # of disjunctions MAiNGO closes no gap near its tolerance
     feastol = 1e-8 if (engine, kind) == ("maingo", Disjunctive) else 1e-6
     answer = ask(*target, kind=kind, engine=engine, gap=1e-4, feastol=feastol, **settings_)
@@ -166,7 +185,10 @@ def test_every_engine_proves_the_optimum(engine, kind, settings_, programs, targ
 
 
 def test_far_away_nothing_is_claimed_to_be_proven():
-    """Here SCIP's bound is 2e-6 above the shortest length (`solvers.global_minlp.disjunctive`)."""
+    """Far away nothing is claimed to be proven.
+
+    Here SCIP's bound is 2e-6 above the shortest length (`solvers.global_minlp.disjunctive`).
+    """
     answer = ask(25.422563016520616, -2538547.0079247607)
 
     assert answer.claim is Claim.FEASIBLE
@@ -176,7 +198,10 @@ def test_far_away_nothing_is_claimed_to_be_proven():
 
 @pytest.mark.parametrize("branch", ["LS", "RS"])
 def test_far_away_no_word_is_called_infeasible(branch):
-    """Both reach a target 1.4e9 R away; SCIP's tolerances cannot tell."""
+    """Far away no word is called infeasible.
+
+    Both reach a target 1.4e9 R away; SCIP's tolerances cannot tell.
+    """
     answer = attempt(Disjunctive(), Question(Scenario(0, 0, 1, 1e9, -1e9, 1), branch))
 
     assert answer.claim is not Claim.INFEASIBLE
@@ -192,7 +217,10 @@ def test_soplex_writes_87_000_bytes_that_nobody_sees(capfd):
 
 
 def test_the_error_output_is_the_callers_again(capfd):
-    """After a solve, and where the caller has closed it."""
+    """The error output is the caller's again.
+
+    That holds after a solve, and where the caller has closed it.
+    """
     ask(3, 2)
     os.write(2, b"still there")
     assert capfd.readouterr().err == "still there"
@@ -210,7 +238,10 @@ def test_the_error_output_is_the_callers_again(capfd):
 
 
 def test_errors_of_scip_are_a_failed_claim(monkeypatch):
-    """They come as bare exceptions; one that is not SCIP's is not swallowed."""
+    """Errors of SCIP are a failed claim.
+
+    They come as bare exceptions; one that is not SCIP's is not swallowed.
+    """
     model = Mock()
     monkeypatch.setattr(scip, "translated", lambda program: (model, None))
     model.optimize.side_effect = Exception("SCIP: error in LP solver!")
@@ -223,7 +254,10 @@ def test_errors_of_scip_are_a_failed_claim(monkeypatch):
 
 
 def test_ctrl_c_goes_through(monkeypatch):
-    """SCIP catches the signal and stops, which is no time limit."""
+    """Ctrl-C goes through.
+
+    SCIP catches the signal and stops, which is no time limit.
+    """
     model = Mock(**{"getStatus.return_value": "userinterrupt"})
     monkeypatch.setattr(scip, "translated", lambda program: (model, None))
 
@@ -232,7 +266,10 @@ def test_ctrl_c_goes_through(monkeypatch):
 
 
 def test_the_second_run_gets_the_time_that_is_left(monkeypatch):
-    """An infeasible word is asked again with a looser tolerance, within the one limit."""
+    """The second run gets the time left.
+
+    An infeasible word is asked again with a looser tolerance, within the one limit.
+    """
     limits = []
 
     def engine(program, seconds):
@@ -252,7 +289,10 @@ def test_the_second_run_gets_the_time_that_is_left(monkeypatch):
 @settings(max_examples=80)
 @given(scenario=scenarios(far=1000.0))
 def test_no_claim_is_false(scenario):
-    """Whatever the target: no claim above what the check finds, no bound above the optimum."""
+    """No claim is false.
+
+    Whatever the target: no claim is above what the check finds, no bound above the optimum.
+    """
     answer = attempt(Disjunctive(), Question(scenario))
 
     assert not answer.false_claim
@@ -266,7 +306,10 @@ def test_no_claim_is_false(scenario):
 @pytest.mark.parametrize("final", [-2.0, 1.0, 3.0])
 @pytest.mark.parametrize("target", [(5, 1), (1.5, -0.5), (0.2, 0.3)])
 def test_a_final_heading_is_proven(target, final):
-    """Of all six words, the ones of three arcs among them where the target is near."""
+    """A final heading is proven.
+
+    All six words take part, the ones of three arcs among them where the target is near.
+    """
     answer = attempt(Disjunctive(), Question(Scenario(0, 0, 0.7, *target, 1, final_heading=final)))
 
     assert answer.claim is Claim.OPTIMAL, answer.message
@@ -278,7 +321,10 @@ def test_a_final_heading_is_proven(target, final):
 @pytest.mark.slow
 @pytest.mark.parametrize("via", [(5, 0.5), (1.5, 0.5)])
 def test_two_legs_are_proven(via):
-    """It takes a hundred times as long as one leg."""
+    """Two legs are proven.
+
+    It takes a hundred times as long as one leg.
+    """
     scenario = Scenario(0, 0, 0, via[0] + 4, 3, 1, via=[via])
     answer = attempt(Disjunctive(gap=1e-4, feastol=1e-7), Question(scenario), 120.0)
 
@@ -306,14 +352,17 @@ TOURS = {
 
 
 def tour(seed, count, **kind):
-    """Points in any order in a square, at the start some heading."""
+    """A tour of points in a square.
+
+    Their order is free; the start has some heading.
+    """
     random = np.random.default_rng(seed)
     via = random.uniform(0, 8 * math.sqrt(count), (count, 2))
     return Scenario(1, 0, random.uniform(0, 6), via=via, order="free", **kind)
 
 
 def shortest_of_all_orders(scenario):
-    """The proven length of the shortest route in one of the orders."""
+    """Proven length of the best order's shortest route."""
     target = [(stop.x, stop.y) for stop in scenario.stops[len(scenario.via) :]]
     last = scenario.heading if scenario.closed else scenario.final_heading
     orders = permutations(scenario.via)
@@ -329,7 +378,10 @@ CLOSING = {(2, "the end at any"), (2, "a target"), (2, "closed")}
 @pytest.mark.parametrize("kind", TOURS)
 @pytest.mark.parametrize("count", [2, pytest.param(3, marks=pytest.mark.slow)])
 def test_points_in_any_order_are_proven(kind, count):
-    """Beside the search in every order; out of time a bound is left, which holds."""
+    """Points in any order are proven.
+
+    The search in every order is the comparison; out of time a bound is left, which holds.
+    """
     scenario = tour(1, count, **TOURS[kind])
     solver = Disjunctive(gap=1e-3, feastol=1e-6, emphasis="default")
     limit = 30.0 if (count, kind) in CLOSING else 5.0
@@ -361,7 +413,10 @@ def test_too_many_points_in_any_order_are_told():
 
 @pytest.mark.parametrize("engine", [name for name in INSTALLED if name != "maingo"])
 def test_a_limit_is_kept_and_claimed(engine):
-    """0.02 s is less than any engine takes for both orders of this question at a gap of 1e-12."""
+    """A limit is kept and claimed.
+
+    0.02 s is less than any engine takes for both orders of this question at a gap of 1e-12.
+    """
     solver = GlobalNlp(engine=engine, gap=1e-12, feastol=1e-9)
     assert solver.keeps_limit
     solver.build(Question(PAPER["problem 2"]))
@@ -375,7 +430,10 @@ def test_a_limit_is_kept_and_claimed(engine):
 
 
 def test_one_order_alone_proves_nothing():
-    """(4.12) has no RL: inside the left disc its optimum is longer, and no bound is passed on."""
+    """One order alone proves nothing.
+
+    (4.12) has no RL: inside the left disc its optimum is longer, and no bound is passed on.
+    """
     answer = ask_nlp(0.3, 1.2, order="LRS", feastol=1e-6)
 
     assert answer.claim is Claim.LOCAL
@@ -390,7 +448,10 @@ def test_one_order_alone_proves_nothing():
 
 
 def test_a_raw_point_is_the_engines():
-    """Without polish the path misses by up to the tolerance, and has the engine's length."""
+    """A raw point is the engine's.
+
+    Without polish the path misses by up to the tolerance, and has the engine's length.
+    """
     raw = ask_nlp(3.0, 2.0, polish=False, gap=1e-4, feastol=1e-6, engine="scip")
     polished = ask_nlp(3.0, 2.0, gap=1e-4, feastol=1e-6, engine="scip")
 
@@ -425,7 +486,11 @@ BROKEN = ProvenResult(None, Claim.FAILED, -math.inf, None, None, "error", "licen
     ],
 )
 def test_claims_and_bounds_of_all_programs_together(monkeypatch, results, claim, bound):
-    """The least bound of the four words, if all have one; optimal only if all are solved."""
+    """Claims and bounds of all programs together.
+
+    The bound is the least of the four words, if all have one; the claim is optimal only if all are
+    solved.
+    """
     left = iter(results)
     monkeypatch.setattr(Engine, "load", lambda engine: lambda settings: lambda *_: next(left))
     solver = GlobalNlp(model="words", polish=False)
@@ -441,7 +506,9 @@ def test_claims_and_bounds_of_all_programs_together(monkeypatch, results, claim,
 @pytest.mark.parametrize("name", INSTALLED)
 @pytest.mark.parametrize("lean", [False, True])
 def test_a_program_with_binaries_and_curves(name, lean):
-    """min x - b with x >= sin(2) b, b binary, x^2 + cos(x) <= 2: the bound meets the optimum.
+    """A program with binaries and curves.
+
+    min x - b with x >= sin(2) b, b binary, x^2 + cos(x) <= 2: the bound meets the optimum.
 
     For b = 1 the least x is sin(2) = 0.909, whose square and cosine add up to 1.44: the optimum
     is sin(2) - 1; for b = 0 it is 0.
@@ -464,7 +531,10 @@ def test_a_program_with_binaries_and_curves(name, lean):
 @pytest.mark.parametrize("engine", INSTALLED)
 @pytest.mark.parametrize("solver", [GlobalNlp, Disjunctive])
 def test_a_word_without_a_path_is_called_infeasible(solver, engine):
-    """No LS path ends inside the left disc: its own program says so."""
+    """A word without a path is called infeasible.
+
+    No LS path ends inside the left disc: its own program says so.
+    """
     question = Question(Scenario(0, 0, 0, 0.3, 1.2, 1), "LS")
     none = attempt(solver(engine=engine, feastol=1e-6), question, 20.0)
 
@@ -475,7 +545,10 @@ def test_a_word_without_a_path_is_called_infeasible(solver, engine):
 
 @pytest.mark.parametrize(("seconds", "told"), [(5.99, 5), (1.0, 1), (0.95, 1), (0.0, 0), (-0.3, 0)])
 def test_maingo_is_told_whole_seconds_that_are_left(monkeypatch, seconds, told):
-    """A second run of a question whose time is up ends at once, and not a second later."""
+    """MAiNGO is told whole seconds that are left.
+
+    A second run of a question whose time is up ends at once, and not a second later.
+    """
     maingopy = pytest.importorskip("maingopy")
     options = {}
 

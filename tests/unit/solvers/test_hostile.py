@@ -42,7 +42,10 @@ BAD_FIELDS = {
 
 @pytest.mark.parametrize("field", BAD_FIELDS)
 def test_a_solution_of_wrong_types_is_its_makers_failure(field):
-    """It cannot even be made, so that the plug-in that tries has raised."""
+    """A solution of wrong types is its maker's failure.
+
+    It cannot even be made, so that the plug-in that tries has raised.
+    """
     name, _, text = field.partition("=")
     given = {"claim": "none"} | {name: ast.literal_eval(text)}
     with pytest.raises(TypeError, match=BAD_FIELDS[field]):
@@ -196,7 +199,10 @@ def test_arrays_of_every_kind_are_read(monkeypatch, name):
 
 @pytest.mark.parametrize("name", BAD_ARRAYS)
 def test_other_arrays_are_the_plug_ins_failure(monkeypatch, name):
-    """One message that names the field, its value and what was expected."""
+    """Other arrays are the plug-in's failure.
+
+    One message names the field, its value and what was expected.
+    """
     changes, message = BAD_ARRAYS[name]
     rows = frame_of(monkeypatch, changes)
 
@@ -220,7 +226,10 @@ def test_any_numbers_make_an_answer(curvature, length):
 
 
 def test_a_path_of_more_arcs_than_can_be_judged_is_refused():
-    """The check has no limit of time and memory of its own."""
+    """A path of too many arcs is refused.
+
+    The check has no limit of time and memory of its own.
+    """
     arcs = np.full(MAX_ARCS + 1, 1e-3)
     start = Scenario(target_x=3, target_y=1).start
 
@@ -231,7 +240,10 @@ def test_a_path_of_more_arcs_than_can_be_judged_is_refused():
 
 @pytest.mark.parametrize("clock", [[5.0, 4.0, 3.0], [0.0, 0.0, 1e9], [0.0, 1.0, math.nan]])
 def test_a_time_that_is_impossible_is_refused(monkeypatch, clock):
-    """A library that replaces the clock spoils its own row, and no folder."""
+    """An impossible time is refused.
+
+    A library that replaces the clock spoils its own row, and no folder.
+    """
     readings = iter(clock)
     monkeypatch.setattr("dubins_study.asking.reply.perf_counter", lambda: next(readings))
     answer = attempt(load("analytic"), Question(ASKED))
@@ -254,7 +266,10 @@ def test_any_number_is_a_limit():
 
 @pytest.mark.parametrize(("building", "left"), [(0.0, 0.95), (0.5, 0.45), (3.0, 0.05)])
 def test_a_solver_is_told_what_is_left_of_its_limit(monkeypatch, building, left):
-    """Less a twentieth, so that what is found at the last moment is handed over in time."""
+    """A solver is told the rest of its limit.
+
+    It is less a twentieth, so that what is found at the last moment is handed over in time.
+    """
     told: list[float] = []
 
     class Listens(Solver):

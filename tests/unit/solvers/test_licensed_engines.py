@@ -1,4 +1,7 @@
-"""`examples/licensed_engines.py`: engines that need a licence, as a plug-in; tested without one."""
+"""`examples/licensed_engines.py`, tested without a licence.
+
+It has engines that need a licence, as a plug-in.
+"""
 
 import importlib.util
 import math
@@ -34,7 +37,10 @@ def module():
 
 
 def linear(n):
-    """A linear program of n variables and n equations, whose optimum is n."""
+    """A linear program of n variables and equations.
+
+    Its optimum is n.
+    """
 
     def write(x, functions):
         return Written(sum(x), [Row(variable, 1.0, 1.0) for variable in x])
@@ -73,9 +79,16 @@ class Variable(float):
 
 
 class Model:
-    """A stand-in for `gurobipy.Model` that knows its answer: z = (1, 0, 2)."""
+    """A stand-in for `gurobipy.Model`.
 
-    Status, SolCount, NodeCount, IterCount, ObjBound = 2, 1, 5, 7, 2.9
+    It knows its answer: z = (1, 0, 2).
+    """
+
+    Status = 2
+    SolCount = 1
+    NodeCount = 5
+    IterCount = 7
+    ObjBound = 2.9
 
     def __init__(self, env):
         self.Params = SimpleNamespace()
@@ -170,7 +183,10 @@ INSTALLED = [name for name, package in PACKAGES.items() if importlib.util.find_s
 @pytest.mark.parametrize("engine", INSTALLED)
 @pytest.mark.parametrize("model", ["joint", "words"])
 def test_where_it_is_installed_it_proves_the_optimum(engine, model, capfd):
-    """With the size-limited licence of its wheel, in silence."""
+    """An installed engine proves the optimum.
+
+    It has the size-limited licence of its wheel, and is silent.
+    """
     solver = load(spec("GlobalNlp", engine=engine, model=model, gap=1e-4, feastol=1e-6))
     answer = attempt(solver, Question(Scenario(0, 0, 0, 3, 2, 1)), 20.0)
 
@@ -181,7 +197,10 @@ def test_where_it_is_installed_it_proves_the_optimum(engine, model, capfd):
 
 @pytest.mark.parametrize("engine", INSTALLED)
 def test_a_program_too_large_for_the_licence_is_a_message(engine):
-    """The wheels' licences end at 2 000 (Gurobi) and 5 000 (Xpress) variables and constraints."""
+    """A program too large gives a message.
+
+    The wheels' licences end at 2 000 (Gurobi) and 5 000 (Xpress) variables and constraints.
+    """
     result = getattr(module(), engine)(SETTINGS)(linear(6000), 20.0)
 
     if result.claim is Claim.OPTIMAL:  # here is a licence without limits

@@ -1,4 +1,6 @@
-"""slsqp and ipopt on the paper's model: derivatives, the joint model's minima and bias, guesses.
+"""slsqp and ipopt on the paper's model.
+
+Tested are derivatives, the joint model's minima and bias, and guesses.
 
 Guesses are a factor of their own: equal for two formulations, blind, and named in the row.
 """
@@ -32,7 +34,10 @@ NLP = ("slsqp", "ipopt")
 
 @given(lengths, st.sampled_from(sorted(SUBPROBLEMS)), scenarios())
 def test_the_equations_are_those_of_the_path(z, name, scenario):
-    """(4.10) and (4.11) vanish exactly where the path's controls lead: paper against rollout."""
+    """The equations are those of the path.
+
+    (4.10) and (4.11) vanish exactly where the path's controls lead: paper against rollout.
+    """
     subproblem = SUBPROBLEMS[name]
     z = np.where(np.isin(np.arange(3), subproblem.free), z, 0.0)
     end = as_path(scenario, subproblem, z).end
@@ -50,7 +55,10 @@ def test_the_equations_are_those_of_the_path(z, name, scenario):
     ("branch", "target"), [("LS", (0.3, 0.8)), ("RS", (0.3, -0.8)), ("LR", (9, 2)), ("RL", (9, -2))]
 )
 def test_ipopt_recognises_a_word_that_does_not_exist(spec, branch, target, capfd):
-    """Infeasible by theory, and said so: a success; nothing of the way there is printed."""
+    """Ipopt recognises a word that does not exist.
+
+    It is infeasible by theory, and Ipopt says so: a success. Nothing of the way there is printed.
+    """
     answer = solve(Scenario(0, 0, 0, *target, 1), spec, branch, isolated=False)
 
     assert answer.claim is Claim.LOCALLY_INFEASIBLE
@@ -61,7 +69,10 @@ def test_ipopt_recognises_a_word_that_does_not_exist(spec, branch, target, capfd
 
 
 def test_random_guesses_are_drawn_one_by_one():
-    """A billion of them take neither memory nor time before the first."""
+    """Random guesses are drawn one by one.
+
+    A billion of them take neither memory nor time before the first.
+    """
     for limit in (0.1, 1.0, 10.0):  # on a busy machine the first may take more than a tenth
         answer = solve(
             PAPER["problem 1"], "slsqp[initial_guess=random,count=1000000000]", limit=limit
@@ -79,7 +90,10 @@ def test_random_guesses_are_drawn_one_by_one():
     scenario=scenarios(),
 )
 def test_starting_points_are_admissible(kind, name, scenario):
-    """Not negative, arcs within a full turn, and zero where a length is fixed."""
+    """Starting points are admissible.
+
+    They are not negative, have arcs within a full turn, and are zero where a length is fixed.
+    """
     subproblem = SUBPROBLEMS[name]
     case = case_of(name, local(scenario))
     points = list(initial_guesses(Question(scenario), case, kind, seed=1, count=5))
@@ -93,7 +107,10 @@ def test_starting_points_are_admissible(kind, name, scenario):
 
 @pytest.mark.parametrize("name", [*NLP, "shooting"])
 def test_a_warm_start_saves_evaluations(name):
-    """Started from the solution's own segments, a word takes fewer of them than from cold."""
+    """A warm start saves evaluations.
+
+    Started from the solution's own segments, a word takes fewer of them than from cold.
+    """
     problem = PAPER["problem 4"]
     start = solve(problem, "analytic", "LS").path
 
@@ -106,7 +123,10 @@ def test_a_warm_start_saves_evaluations(name):
 @pytest.mark.parametrize("name", ["slsqp", "ipopt"])
 @pytest.mark.parametrize("radius", [1e-3, 1.0, 1e3])
 def test_the_model_in_the_papers_units(name, radius):
-    """Posed in the scenario's unit, easy scales have the same answers."""
+    """The model works in the paper's units.
+
+    Posed in the scenario's unit, easy scales have the same answers.
+    """
     scenario = Scenario(0, 0, 0.4, 5 * radius, 3 * radius, radius)
     answer = solve(scenario, f"{name}[units=scenario]")
 
@@ -115,7 +135,10 @@ def test_the_model_in_the_papers_units(name, radius):
 
 
 def test_a_given_start_is_the_only_one():
-    """From where it is told to start and from nowhere else; without one, as by default."""
+    """A given start is the only one.
+
+    The solver starts where it is told to and nowhere else; without one, as by default.
+    """
     scenario = PAPER["problem 2"]
     path = Path(scenario.start, [1, -1, 0], [0.6, 1e-3, 6.0])
     joint = case_of("LRS", local(scenario))
@@ -137,7 +160,10 @@ EASY_AND_HARD = ["nlp", pytest.param("nlp[engine=trust-constr]", marks=pytest.ma
 @pytest.mark.parametrize("target", [(1, 1), (0, 2), (-1, 1)])
 @pytest.mark.parametrize("branch", ["best", "LS"])
 def test_a_double_root_is_not_taken_for_infeasible(branch, target, spec):
-    """On the left circle LS has no straight, and the violation is flat there without a gradient."""
+    """A double root is not taken for infeasible.
+
+    On the left circle LS has no straight, and the violation is flat there without a gradient.
+    """
     answer = solve(Scenario(0, 0, 0, *target, 1), spec, branch)
 
     assert answer.claim is Claim.LOCAL
@@ -146,7 +172,10 @@ def test_a_double_root_is_not_taken_for_infeasible(branch, target, spec):
 
 @pytest.mark.parametrize("spec", EASY_AND_HARD)
 def test_a_far_target_is_met(spec):
-    """A tolerance that grew with the distance would miss these, 10^4 to 10^5 radii away."""
+    """A far target is met.
+
+    A tolerance that grew with the distance would miss these, 10^4 to 10^5 radii away.
+    """
     for x, y, heading in ((13994, -7553, -6.3204), (-28211, -12892, 0.4288), (-7e4, 8e4, 1)):
         answer = solve(Scenario(0, 0, heading, x, y, 1), spec)
 
@@ -164,7 +193,10 @@ def test_absence_has_its_reason():
 
 @pytest.mark.skipif(find_spec("knitro") is None, reason="the package knitro is not installed")
 def test_knitro_without_a_licence_says_exactly_that(capfd):
-    """Its wheel installs without one; its own pages of text about it stay out of the output."""
+    """KNITRO without a licence says exactly that.
+
+    Its wheel installs without one; its own pages of text about it stay out of the output.
+    """
     reason = ENGINES["knitro"].unavailable()
     if reason is None:
         pytest.skip("there is a licence")
@@ -184,7 +216,10 @@ def _ls(scenario: Scenario) -> Case:
 
 
 def test_knitros_route_with_a_solver_that_needs_no_licence():
-    """Pyomo's direct interfaces answer alike; SCIP's stands in for KNITRO's."""
+    """KNITRO's route works with a free solver.
+
+    Pyomo's direct interfaces answer alike; SCIP's stands in for KNITRO's.
+    """
     start = np.array((1.0, 0.0, 5.0))
 
     point = solve_in_pyomo(_ls(PAPER["problem 1"]), start, 20.0, "scip_direct")
@@ -201,7 +236,10 @@ def test_knitros_route_with_a_solver_that_needs_no_licence():
 
 @pytest.mark.skipif(find_spec("knitro") is None, reason="the package knitro is not installed")
 def test_knitro_losing_its_licence_in_a_run_is_a_failure():
-    """A seat that is gone between the question whether there is one and the solve."""
+    """KNITRO losing its licence is a failure.
+
+    A seat is gone between the question whether there is one and the solve.
+    """
     if ENGINES["knitro"].unavailable() is None:
         pytest.skip("there is a licence")
 
@@ -216,8 +254,12 @@ AHEAD = Scenario(x=0, y=0, heading=0.4, target_x=5, target_y=3)
 
 
 def begun(scenario, subproblems, kind):
-    """The paths that the searches begin with, as their arcs of some length: a set of tuples."""
-    question, target = Question(scenario), local(scenario)
+    """Paths that the searches begin with.
+
+    They are a set of tuples: their arcs of some length.
+    """
+    question = Question(scenario)
+    target = local(scenario)
     return sorted(
         tuple(
             (rate, length)
@@ -234,21 +276,30 @@ def begun(scenario, subproblems, kind):
 
 @given(scenario=scenarios())
 def test_words_and_joint_model_begin_with_the_same_paths(scenario):
-    """With `words` one NLP a word and the joint model in both orders get the same four guesses."""
+    """Words and joint model begin with equal paths.
+
+    With `words` one NLP a word and the joint model in both orders get the same four guesses.
+    """
     assert begun(scenario, ORDERS, "words") == begun(scenario, WORDS, "words")
     assert len(begun(scenario, ORDERS, "words")) == 4
 
 
 @given(scenario=scenarios())
 def test_one_order_begins_with_the_words_that_it_holds(scenario):
-    """LRS has paths of LS, RS and LR, RLS of LS, RS and RL."""
+    """One order begins with its own words.
+
+    LRS has paths of LS, RS and LR, RLS of LS, RS and RL.
+    """
     for order, held in (("LRS", ("LS", "RS", "LR")), ("RLS", ("LS", "RS", "RL"))):
         assert begun(scenario, [order], "words") == begun(scenario, held, "words")
 
 
 @given(scenario=scenarios())
 def test_one_is_a_single_path(scenario):
-    """Both orders of the joint model begin with it, and each word with its own part of it."""
+    """`one` is a single path.
+
+    Both orders of the joint model begin with it, and each word with its own part of it.
+    """
     (first,), (second,) = (begun(scenario, [order], "one") for order in ORDERS)
     assert first == second
     for word in WORDS:
@@ -262,7 +313,10 @@ def test_one_is_a_single_path(scenario):
     distance=st.floats(0.1, 100),
 )
 def test_a_blind_guess_knows_no_direction(kind, bearing, distance):
-    """It is the same for all targets at one distance."""
+    """A blind guess knows no direction.
+
+    It is the same for all targets at one distance.
+    """
     there = distance * math.cos(bearing), distance * math.sin(bearing)
     for name in SUBPROBLEMS:
         z, ahead = (
@@ -294,7 +348,10 @@ def test_a_blind_guess_knows_no_direction(kind, bearing, distance):
     ],
 )
 def test_a_row_says_what_its_method_knows(spec, guesses, knows):
-    """The factor, the presolve and the knowledge are columns, derived from the solver."""
+    """A row tells what its method knows.
+
+    The factor, the presolve and the knowledge are columns, derived from the solver.
+    """
     columns = stated_method(load(spec)).columns(Question(AHEAD))
     presolve = "presolve=true" in spec
     assert (columns["guesses"], columns["presolve"], columns["knows"]) == (
@@ -303,7 +360,10 @@ def test_a_row_says_what_its_method_knows(spec, guesses, knows):
 
 
 def test_a_route_has_no_guesses_of_words():
-    """Direct methods begin with one guess, which knows nothing of the words."""
+    """A route has no guesses of words.
+
+    Direct methods begin with one guess, which knows nothing of the words.
+    """
     route = Question(Scenario(x=0, y=0, heading=0, target_x=9, target_y=3, via=[(4, 1)]))
     columns = stated_method(load("multiple-shooting")).columns(route)
     assert (columns["guess"], columns["guesses"], columns["knows"]) == ("bearing", "one", "")
@@ -319,7 +379,10 @@ def test_the_row_of_an_answer_has_the_factor():
 
 
 def test_a_plug_in_states_its_guesses_by_their_kind():
-    """A plain tuple suffices; what no table knows stays as it is."""
+    """A plug-in states its guesses by kind.
+
+    A plain tuple suffices; what no table knows stays as it is.
+    """
     assert Method("mine", "m", "random").columns()["guesses"] == "several blind"
     assert Method("mine", "m", "crystal ball").columns()["guesses"] == "crystal ball"
 
@@ -327,6 +390,9 @@ def test_a_plug_in_states_its_guesses_by_their_kind():
 @pytest.mark.parametrize("kind", ["one", "words", "straight"])
 @pytest.mark.parametrize("model", ["words", "joint"])
 def test_a_plain_target_is_reached_from_every_kind(kind, model):
-    """Outside the discs and ahead, no kind of guess costs the answer."""
+    """A plain target is reached from every kind.
+
+    Outside the discs and ahead, no kind of guess costs the answer.
+    """
     answer = solve(AHEAD, f"ipopt[model={model},initial_guess={kind}]")
     assert answer.verdict == "optimal"

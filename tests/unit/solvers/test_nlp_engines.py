@@ -1,4 +1,6 @@
-"""Every engine of nonlinear programs on the words of (4.12), SciPy's and casadi's in particular.
+"""Every engine of nonlinear programs on words.
+
+The words are those of (4.12); SciPy's and casadi's engines are tested in particular.
 
 casadi's expressions carried out with other operands.
 """
@@ -56,7 +58,7 @@ def run(name: str, word: str, scenario: Scenario, guess: tuple[float, ...]) -> E
 
 
 def first_word() -> tuple[float, float]:
-    """The arc and the straight of problem 1's RS, radii."""
+    """Arc and straight (radii) of problem 1's RS."""
     answer = shortest(PAPER["problem 1"], "RS")
     assert answer is not None
     return tuple(answer.segments)
@@ -71,7 +73,10 @@ weights = st.tuples(st.floats(-3, 3), st.floats(-3, 3)).map(np.array)
     **{"z": lengths, "weights": weights, "X": st.floats(-9, 9), "Y": st.floats(-9, 9)},
 )
 def test_the_written_functions_are_those_of_the_expressions(name, z, weights, X, Y):
-    """By hand and by casadi's derivatives."""
+    """Written functions are those of the expressions.
+
+    They are compared by hand and by casadi's derivatives.
+    """
     given_case = case(name, Scenario(0, 0, 0, X, Y, 1))
     posed = program(given_case)
     x = z[list(given_case.subproblem.free)]
@@ -88,7 +93,10 @@ def test_the_written_functions_are_those_of_the_expressions(name, z, weights, X,
 
 @pytest.mark.parametrize("name", [name for name in AVAILABLE if name != "cobyqa"])
 def test_a_word_is_solved(name):
-    """Problem 1's RS, to the tolerance that was asked for (in the objective, half its digits)."""
+    """A word is solved.
+
+    It is problem 1's RS, to the tolerance that was asked for (in the objective, half its digits).
+    """
     point = run(name, "RS", PAPER["problem 1"], WORD)
 
     assert point.claim is (Claim.FAILED if name in SILENT_ON_WORDS else Claim.LOCAL)
@@ -103,7 +111,11 @@ def test_a_word_is_solved(name):
 
 @pytest.mark.parametrize("name", AVAILABLE)
 def test_a_word_without_a_path_is_not_claimed(name):
-    """LS to a target inside the left disc: its last point is no solution, whatever it says."""
+    """A word without a path is not claimed.
+
+    LS goes to a target inside the left disc: its last point is no solution, whatever the engine
+    says.
+    """
     point = run(name, "LS", Scenario(0, 0, 0, 0.2, 1.0, 1), (1.0, 0.0, 0.5))
 
     assert point.claim is not Claim.LOCAL
@@ -115,8 +127,12 @@ def test_a_word_without_a_path_is_not_claimed(name):
 
 @pytest.mark.parametrize("name", [n for n in AVAILABLE if ENGINES[n].keeps_limit])
 def test_without_time_a_run_ends(name):
-    """At most a second late, on a program that would take some engines longer than that."""
-    engine, guess = ENGINES[name].load()(1e-14, 10**6), np.array((3.0, 3.0, 1.0))
+    """Without time a run ends.
+
+    It ends at most a second late, on a program that would take some engines longer than that.
+    """
+    engine = ENGINES[name].load()(1e-14, 10**6)
+    guess = np.array((3.0, 3.0, 1.0))
     solve(case("RS", PAPER["problem 1"]), np.array(WORD), 1e-3, engine)  # loads the library
     began = time.process_time()  # a busy machine takes the wall clock, not the processor
 
@@ -142,14 +158,20 @@ FROM_ZERO = {
 
 @pytest.mark.parametrize("name", FROM_ZERO)
 def test_what_an_engine_says_from_zero(name):
-    """A path exists, which a local engine denies: a finding, which no option hides."""
+    """An engine's claim from zero.
+
+    A path exists, which a local engine denies: a finding, which no option hides.
+    """
     point = run(name, "LRS", PAPER["problem 1"], (0.0, 0.0, 0.0))
 
     assert point.claim is FROM_ZERO[name]
 
 
 def test_a_tolerance_is_no_less_than_the_equations_rounding():
-    """At 10^5 radii rounding leaves more of the equations than a tolerance of 1e-14 allows."""
+    """A tolerance is no less than equations' rounding.
+
+    At 10^5 radii rounding leaves more of the equations than a tolerance of 1e-14 allows.
+    """
     far = case("LS", Scenario(0, 0, 0, 3e4, 9e4, 1))
 
     point = solve(far, np.array((1.2, 0.0, 9e4)), 5.0, ENGINES["slsqp"].load()(1e-14))
@@ -168,8 +190,12 @@ def test_a_tolerance_is_no_less_than_the_equations_rounding():
     ],
 )
 def test_every_engine_is_a_setting_and_has_a_line_in_the_list(spec, formulation, name):
-    """With the reason for its absence, if there is one."""
-    solver, engine = load(spec), ENGINES[name]
+    """Every engine is a setting and is listed.
+
+    The list has the reason for its absence, if there is one.
+    """
+    solver = load(spec)
+    engine = ENGINES[name]
 
     assert solver.method[:2] == (formulation, engine.label)
     assert solver.runs is None
@@ -180,7 +206,8 @@ def test_every_engine_is_a_setting_and_has_a_line_in_the_list(spec, formulation,
 
 @pytest.mark.parametrize("name", ENGINES)
 def test_a_missing_package_is_a_reason(name, monkeypatch):
-    absent, find = ENGINES[name].packages[-1], importlib.util.find_spec
+    absent = ENGINES[name].packages[-1]
+    find = importlib.util.find_spec
     monkeypatch.setattr(
         importlib.util, "find_spec", lambda package: None if package == absent else find(package)
     )
@@ -189,8 +216,12 @@ def test_a_missing_package_is_a_reason(name, monkeypatch):
 
 
 def every_operation(p=(0.7, 1.3)):
-    """A program in three variables that has every operation of the walk in it."""
-    x, q = casadi.SX.sym("x", 3), casadi.SX.sym("q", 2)
+    """A program with every operation of the walk.
+
+    It has three variables.
+    """
+    x = casadi.SX.sym("x", 3)
+    q = casadi.SX.sym("q", 2)
     f = x[0] + 2 * x[1] + x[2] ** 2 + casadi.sqrt(x[0]) - casadi.exp(-x[1]) / x[2]
     turn = casadi.sin(x[0] - x[1]) * q[0] - casadi.cos(x[0]) * casadi.sin(q[1])
     powers = x[1] ** 1.5 + casadi.log(x[2]) + 1 / x[0] + x[0] ** x[2]
@@ -201,11 +232,16 @@ def every_operation(p=(0.7, 1.3)):
 
 @pytest.mark.parametrize("weight", [0.0, 0.5, 1.0])
 def test_the_objective_has_its_weight_in_the_hessian(weight):
-    """Against central differences; Uno gives it the weight 0 to look for a feasible point."""
-    posed, h = every_operation(), 1e-6
+    """The objective has its weight in the Hessian.
+
+    Central differences are the comparison; Uno gives it the weight 0 to look for a feasible point.
+    """
+    posed = every_operation()
+    h = 1e-6
     functions = posed.functions
     entries = functions.entries
-    x, weights = np.array((0.4, 1.1, 2.3)), np.array((0.3, -2.0, 1.5, 0.7))
+    x = np.array((0.4, 1.1, 2.3))
+    weights = np.array((0.3, -2.0, 1.5, 0.7))
     lower = np.zeros((3, 3))
 
     def slope(x):
@@ -218,7 +254,8 @@ def test_the_objective_has_its_weight_in_the_hessian(weight):
 
 
 def test_an_operation_that_is_not_known_is_named():
-    x, bound = casadi.SX.sym("x"), np.ones(1)
+    x = casadi.SX.sym("x")
+    bound = np.ones(1)
     expressions = Expressions(x, casadi.SX.sym("p", 0), casadi.floor(x), x)
 
     with pytest.raises(KeyError, match="OP_FLOOR"):

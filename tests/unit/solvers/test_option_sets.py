@@ -1,4 +1,6 @@
-"""What each engine is given by the three sets of options, against its library called by hand.
+"""Options of each engine in the three sets.
+
+Each library is called by hand beside them.
 
 The engines that come with wheels of their own: NLopt, Uno, APOPT.
 """
@@ -29,8 +31,12 @@ from tests.cases import PAPER, engine_params
 
 
 def program() -> Program:
-    """Problem 7 of Hock and Schittkowski, Test Examples for Nonlinear Programming Codes (1981)."""
-    x, p = casadi.SX.sym("x", 2), casadi.SX.sym("p", 1)
+    """Problem 7 of Hock and Schittkowski.
+
+    Test Examples for Nonlinear Programming Codes (1981).
+    """
+    x = casadi.SX.sym("x", 2)
+    p = casadi.SX.sym("p", 1)
     f = casadi.log(1 + x[0] ** 2) - x[1]
     written = Expressions(x, p, f, (1 + x[0] ** 2) ** 2 + x[1] ** 2 - p[0])
     upper = np.full(2, math.inf)
@@ -41,7 +47,10 @@ GUESS = np.array([2.0, 2.0])
 
 
 def by_hand(method: str, options: dict[str, Any]) -> Any:
-    """SciPy without any of our code: functions, derivatives and options written out."""
+    """SciPy without any of our code.
+
+    Functions, derivatives and options are written out.
+    """
     jac = method != "COBYQA"
     return scipy.optimize.minimize(
         lambda x: math.log(1 + x[0] ** 2) - x[1],
@@ -70,7 +79,10 @@ def by_hand(method: str, options: dict[str, Any]) -> Any:
     ],
 )
 def test_slsqp_has_the_options_of_its_set_and_no_others(options, tol, max_iter, same):
-    """Its iterates are those of SciPy called by hand, to the last digit but rounding."""
+    """SLSQP has its set's options, no others.
+
+    Its iterates are those of SciPy called by hand, to the last digit but rounding.
+    """
     ours = ENGINES["slsqp"].load()(tol, max_iter, options)(program(), GUESS, 10.0)
     hand = by_hand("SLSQP", same)
 
@@ -89,7 +101,10 @@ def test_cobyqa_s_last_radius_is_its_makers():
 @pytest.mark.parametrize("options", OPTION_SETS)
 @pytest.mark.parametrize("engine", ["ipopt", "uno", "fatrop", "alpaqa", "sqpmethod", "qrsqp"])
 def test_casadi_gets_the_options_of_the_set(engine, options, monkeypatch):
-    """What reaches `casadi.nlpsol`, beside casadi's own; the makers' set adds only silence."""
+    """casadi gets the options of the set.
+
+    They reach `casadi.nlpsol`, beside casadi's own; the makers' set adds only silence.
+    """
     seen: list[dict[str, Any]] = []
     make = casadi.nlpsol
     monkeypatch.setattr(casadi, "nlpsol", lambda *args: seen.append(args[-1]) or make(*args))
@@ -111,7 +126,10 @@ def test_casadi_gets_the_options_of_the_set(engine, options, monkeypatch):
 
 
 def test_equal_is_one_tolerance_for_all():
-    """Every engine that takes a tolerance is asked for the same one."""
+    """`equal` is one tolerance for all.
+
+    Every engine that takes a tolerance is asked for the same one.
+    """
     assert FEASIBILITY == OPTIMALITY == 1e-9
     assert {ENGINES[name].tolerance("equal") for name in NLP_ENGINES} == {1e-9}
     assert ENGINES["ipopt"].tolerance("default") is None
@@ -129,7 +147,10 @@ def test_explicit_settings_win(name):
 
 
 def test_nlopt_claims_a_solution_only_where_the_equations_hold(monkeypatch):
-    """NLopt calls small steps a success; here they are small at the guess, off the equation."""
+    """NLopt claims solutions only where equations hold.
+
+    NLopt calls small steps a success; here they are small at the guess, off the equation.
+    """
     nlopt = pytest.importorskip("nlopt")
     adapter = importlib.import_module("dubins_study.solvers.nlp_engines.nlopt_local")
     always = {"xtol_rel": 1e6, "constraint_tol": 1e-8}
@@ -143,7 +164,10 @@ def test_nlopt_claims_a_solution_only_where_the_equations_hold(monkeypatch):
 
 @pytest.mark.parametrize("options", OPTION_SETS)
 def test_a_search_has_the_options_of_its_set(options, monkeypatch):
-    """Nothing is chosen for this problem: SciPy's own strategy, or the one of its inventors."""
+    """A search has the options of its set.
+
+    Nothing is chosen for this problem: SciPy's own strategy is taken, or the one of its inventors.
+    """
     seen: dict[str, Any] = {}
     monkeypatch.setattr(
         scipy.optimize,
@@ -170,7 +194,10 @@ def test_a_search_has_the_options_of_its_set(options, monkeypatch):
 @pytest.mark.parametrize("options", OPTION_SETS)
 @pytest.mark.parametrize("root", names(ROOTS))
 def test_minpack_has_the_options_of_its_set(root, options, monkeypatch):
-    """As the page of engines has them; the makers' sets leave all of them to MINPACK."""
+    """MINPACK has the options of its set.
+
+    They are as the page of engines has them; the makers' sets leave all of them to MINPACK.
+    """
     page = (Path(__file__).parents[3] / "docs/engines.md").read_text(encoding="utf-8")
     row = next(line for line in page.splitlines() if line.startswith(f"| `{root}` | `equal`"))
     told = {name: float(value) for name, value in re.findall(r"`(\w+)=([^`]+)`", row)}
@@ -211,16 +238,19 @@ def test_every_search_goes_downhill_with_every_set(engine, options):
 
 
 def test_scip_as_its_makers_have_it(monkeypatch):
-    """docs/engines.md: with these settings SCIP has its own defaults, but for the gap: 0."""
+    """SCIP has its makers' settings.
+
+    docs/engines.md: with these settings SCIP has its own defaults, but for the gap: 0.
+    """
     pyscipopt = pytest.importorskip("pyscipopt")
     given: dict[str, Any] = {}
-    kept = pyscipopt.Model.setParam
+    set_param = pyscipopt.Model.setParam
     defaults = pyscipopt.Model().getParams()
 
     class Model(pyscipopt.Model):
         def setParam(self, name: str, value: Any) -> None:  # noqa: N802
             given[name] = value
-            kept(self, name, value)
+            set_param(self, name, value)
 
     monkeypatch.setattr(pyscipopt, "Model", Model)
     solver = load("global-nlp[engine=scip,gap=1e-12,feastol=1e-6,emphasis=default]")
@@ -256,7 +286,10 @@ def test_a_program_is_stopped_and_its_folder_removed(tmp_path, monkeypatch):
 
 
 def test_apopt_within_a_worker_s_memory_limit():
-    """Its program reserves gigabytes: with a limit of 4 GiB it ended in one run of five."""
+    """APOPT works within a worker's memory limit.
+
+    Its program reserves gigabytes: with a limit of 4 GiB it ended in one run of five.
+    """
     limits = resource.getrlimit(resource.RLIMIT_DATA)
     resource.setrlimit(resource.RLIMIT_DATA, (2**30, limits[1]))
     try:
@@ -268,8 +301,13 @@ def test_apopt_within_a_worker_s_memory_limit():
 
 
 def test_text_means_what_the_expressions_mean(monkeypatch):
-    """Python reads the text too; two values of the parameters, long expressions cut in pieces."""
-    x, p = casadi.SX.sym("x", 3), casadi.SX.sym("p", 2)
+    """Text means what the expressions mean.
+
+    Python reads the text too; there are two values of the parameters, and long expressions cut in
+    pieces.
+    """
+    x = casadi.SX.sym("x", 3)
+    p = casadi.SX.sym("p", 2)
     f = casadi.sin(x[0]) ** 2 - x[1] / p[0] + casadi.sqrt(x[2]) * casadi.exp(-x[0])
     f += x[2] ** 1.5 + casadi.log(x[2]) + 1 / x[0] + x[0] ** x[2] + 2 * casadi.tan(p[0])
     f += casadi.atan(x[1]) - casadi.asin(0.1 * x[2]) * casadi.acos(x[0])

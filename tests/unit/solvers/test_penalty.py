@@ -1,4 +1,7 @@
-"""penalty: its function against driven paths, grids and theory; its engines over seeds."""
+"""penalty: its function, and engines over seeds.
+
+The function is compared with driven paths, grids and theory.
+"""
 
 import math
 from itertools import count
@@ -32,7 +35,10 @@ SCENARIOS = {
 
 @pytest.fixture(autouse=True)
 def _one_thread():
-    """As in every run: on a busy machine the threads of a tiny matrix wait for each other."""
+    """One thread, as in every run.
+
+    On a busy machine the threads of a tiny matrix wait for each other.
+    """
     with threadpool_limits(1):
         yield
 
@@ -47,7 +53,11 @@ def spec(engine: str, **others: object) -> str:
 
 @pytest.mark.parametrize("name", SUBPROBLEMS)
 def test_the_function_is_length_plus_weighted_miss_of_the_driven_path(name):
-    """Against the path's own end; one point at a time and many at once, to rounding."""
+    """The function is length plus weighted miss.
+
+    It is compared with the driven path's own end, one point at a time and many at once, to
+    rounding.
+    """
     scenario = SCENARIOS["behind to the right"]
     function = function_of(scenario, name, 3.0)
     points = np.random.default_rng(1).uniform(size=(function.upper.size, 50))
@@ -65,7 +75,9 @@ def test_the_function_is_length_plus_weighted_miss_of_the_driven_path(name):
 
 @pytest.mark.parametrize("name", AVAILABLE)
 def test_every_engine_in_a_disc(name):
-    """Where the search stops short, the claim says so; a path that arrives is no shorter.
+    """Every engine works in a disc.
+
+    Where the search stops short, the claim says so; a path that arrives is no shorter.
 
     No search evaluates more often than it may; what each order cost is told.
     """
@@ -87,7 +99,10 @@ def test_every_engine_in_a_disc(name):
 
 @pytest.mark.parametrize("name", AVAILABLE)
 def test_the_time_limit_ends_the_search(name, monkeypatch):
-    """By a clock that goes on by 0.1 s at every look, 1 s is over after 11 evaluations."""
+    """The time limit ends the search.
+
+    By a clock that goes on by 0.1 s at every look, 1 s is over after 11 evaluations.
+    """
     clock = count()
     monkeypatch.setattr(penalty_function, "perf_counter", lambda: next(clock) * 0.1)
     function = penalty_function.CountedFunction(function_of(LEFT_DISC, "LRS", 2.0), 100_000, 1.0)
@@ -102,7 +117,10 @@ def test_the_time_limit_ends_the_search(name, monkeypatch):
 
 
 def test_raw_points_are_the_engine_s_own():
-    """Without the correction they miss by what the engine left; with it by rounding."""
+    """Raw points are the engine's own.
+
+    Without the correction they miss by what the engine left; with it by rounding.
+    """
     question = Question(PAPER["problem 1"])
     raw = attempt(load(spec("direct", evaluations=500, polish="false")), question)
     moved = attempt(load(spec("direct", evaluations=500)), question)

@@ -1,4 +1,7 @@
-"""The presolve: right by brute force, silent near a circle, the same for every engine, marked."""
+"""The presolve is right, and marked.
+
+It is right by brute force, silent near a circle, and the same for every engine.
+"""
 
 import math
 
@@ -47,7 +50,11 @@ def presolving(name: str):
 
 @pytest.mark.parametrize("question", QUESTIONS, ids=lambda q: f"{q.branch}")
 def test_every_engine_gives_the_same_answer_and_it_is_marked(question):
-    """Claim, message and counts; what the check finds of it; the row. By default it is off."""
+    """Every engine gives the same marked answer.
+
+    Compared are claim, message and counts, what the check finds of it, and the row. By default it
+    is off.
+    """
     assert not any(settings_of(load(name))["presolve"] for name in ENGINES)
     solvers = [presolving(name) for name in ENGINES]
     asked = [solver for solver in solvers if question.branch in solver.branches]
@@ -68,7 +75,9 @@ def test_every_engine_gives_the_same_answer_and_it_is_marked(question):
 @pytest.mark.slow
 @pytest.mark.parametrize("name", TRANSCRIPTIONS)
 def test_turning_one_way_into_the_circle_is_not_called_the_word(name):
-    """Straight first and then left leads into the rear half at any depth, and LS does not.
+    """Turning one way into the circle is not LS.
+
+    Straight first and then left leads into the rear half at any depth, and LS does not.
 
     On the circle and outside, down to 1e-15 R, where the word's equations become singular, the
     word exists and is found.
@@ -94,7 +103,10 @@ def test_turning_one_way_into_the_circle_is_not_called_the_word(name):
 @pytest.mark.parametrize("name", engine_params(ENGINES, ("ipopt", "multiple-shooting", "shooting")))
 @pytest.mark.parametrize("target", [(0.3, 0.8), pytest.param((-3, 0.5), marks=pytest.mark.slow)])
 def test_the_best_path_is_found_without_the_words_that_cannot_exist(name, target):
-    """No shortest path is lost with them, and the answer is the engine's own."""
+    """The best path needs no impossible words.
+
+    No shortest path is lost with them, and the answer is the engine's own.
+    """
     scenario = Scenario(0, 0, 0, *target, 1)
     with_all = attempt(load(name), Question(scenario))
     answer = attempt(presolving(name), Question(scenario))
@@ -108,7 +120,9 @@ STEPS = 3000
 
 
 def nearest(word: str, X: float, Y: float) -> float:
-    """The least distance (radii) from a target to a path of a word, over many first turns.
+    """Least distance (radii) from target to a word's paths.
+
+    The paths have many first turns.
 
     The first turn is driven; of the second piece, a ray or a circle, the nearest point is taken.
     """
@@ -132,7 +146,10 @@ places = st.one_of(
 @given(place=places, word=st.sampled_from(WORDS))
 @settings(max_examples=200)
 def test_what_it_says_is_right_by_brute_force(place, word):
-    """It says that a word does not exist just where no path of many comes near the target."""
+    """It is right by brute force.
+
+    It says that a word does not exist just where no path of many comes near the target.
+    """
     distance = nearest(word, *place)
     scenario = Scenario(0, 0, 0, *place, 1)
 
@@ -144,9 +161,12 @@ def test_what_it_says_is_right_by_brute_force(place, word):
 
 
 def exact_distances(scenario: Scenario, word: str) -> tuple[float, float]:
-    """Distances (radii) of a target from the circles of radius 1 and 3 about the first turn's
-    centre, from balls of 300 bits."""
-    before, ctx.prec = ctx.prec, 300
+    """Distances (radii) of a target from two circles.
+
+    They have radius 1 and 3 about the first turn's centre, and are balls of 300 bits.
+    """
+    before = ctx.prec
+    ctx.prec = 300
     try:
         cos, sin = arb(scenario.heading).cos(), arb(scenario.heading).sin()
         dx = arb(scenario.target_x) - arb(scenario.x)
@@ -171,8 +191,11 @@ def exact_distances(scenario: Scenario, word: str) -> tuple[float, float]:
 )
 @settings(max_examples=300)
 def test_it_is_silent_within_delta_of_a_circle(word, size, angle, steps, start, heading, radius):
-    """Targets within a few delta of the circles of radius 1 and 3: where it speaks, all of delta's
-    square around the target is on the far side, by the exact distance."""
+    """It is silent within delta of a circle.
+
+    Targets lie within a few delta of the circles of radius 1 and 3. Where it speaks, all of
+    delta's square around the target is on the far side, by the exact distance.
+    """
     delta = local(Scenario(*start, heading, *start, radius)).delta + 1e-14
     r = size + steps * delta
     X, Y = r * math.sin(angle), TURN[word[0]] - r * math.cos(angle)

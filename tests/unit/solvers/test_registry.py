@@ -1,4 +1,7 @@
-"""Solvers by name, by settings and by file; what is refused; a repeat has a seed of its own."""
+"""Solvers by name, by settings and by file.
+
+Refusals are tested too; a repeat has a seed of its own.
+"""
 
 import math
 from dataclasses import fields
@@ -104,7 +107,10 @@ def test_settings_are_read_by_the_type_of_their_default():
     ],
 )
 def test_canonical_specs(spec, profile, written):
-    """Defaults are left out but for `always_named`, in the order of the declaration."""
+    """Canonical specs of solvers.
+
+    Defaults are left out but for `always_named`, in the order of the declaration.
+    """
     assert canonical(spec, profile) == canonical(written, profile) == written
     assert load(written, profile) == load(spec, profile)
 
@@ -160,7 +166,10 @@ def test_a_plug_in_that_raises_when_it_is_loaded(tmp_path):
 
 
 def test_a_plug_in_in_eight_lines(tmp_path):
-    """A name and `solve` are enough; what is left out has the defaults of the base class."""
+    """A plug-in in eight lines works.
+
+    A name and `solve` are enough; what is left out has the defaults of the base class.
+    """
     assert len(SHORTEST_PLUGIN.splitlines()) == 8
     (tmp_path / "ahead.py").write_text(SHORTEST_PLUGIN)
     spec = f"{tmp_path / 'ahead.py'}:Ahead[far=3]"
@@ -178,14 +187,17 @@ def test_a_plug_in_in_eight_lines(tmp_path):
 
 
 def test_a_plug_in_may_look_like_our_own(tmp_path):
-    """Postponed annotations and ClassVars, as CONTRIBUTING shows; two files of one name are two
-    modules."""
+    """A plug-in may look like our own.
+
+    It has postponed annotations and ClassVars, as CONTRIBUTING shows; two files of one name are
+    two modules.
+    """
     for folder, answer in (("one", 1), ("two", 2)):
         (tmp_path / folder).mkdir()
         (tmp_path / folder / "plug.py").write_text(ANNOTATED_PLUGIN.format(answer=answer))
-    found = [load(f"{tmp_path / folder / 'plug.py'}:Plug") for folder in ("one", "two")]
+    classes = [load(f"{tmp_path / folder / 'plug.py'}:Plug") for folder in ("one", "two")]
 
-    assert [solver.n for solver in found] == [1, 2]
+    assert [solver.n for solver in classes] == [1, 2]
     answer = solve(EASY, f"{tmp_path / 'one' / 'plug.py'}:Plug")
     assert answer.outcome is Outcome.UNAVAILABLE
     assert "raised OSError: no such luck" in answer.message
@@ -217,7 +229,10 @@ REFUSED += [
 
 @pytest.mark.parametrize(("name", "setting", "value"), REFUSED)
 def test_a_wrong_setting_is_refused_by_name(name, setting, value):
-    """One line, with the setting, the value and what was expected."""
+    """A wrong setting is refused by name.
+
+    One line has the setting, the value and what was expected.
+    """
     with pytest.raises(ValueError, match=rf"^{setting} is '?{value}'?;.* expected .*\Z"):
         type(load(name))(**{setting: value})
 
@@ -265,7 +280,10 @@ def test_an_executable_is_a_name_and_no_path(name):
     ],
 )
 def test_each_repeat_has_a_seed_of_its_own(spec):
-    """The repeats find or spend something else, and each of them always the same."""
+    """Each repeat has a seed of its own.
+
+    The repeats find or spend something else, and each of them always the same.
+    """
     solver = load(spec)
 
     def found(repeat):

@@ -1,4 +1,6 @@
-"""Formulations that take routes: derivatives, equations, and every engine, judged by the check.
+"""Formulations that take routes.
+
+Tested are derivatives, equations, and every engine, judged by the check.
 
 heading-milp beside brute force over its grid, linear programming, and the closed form; the best
 headings on the way to an answer (`trace=true`).
@@ -89,7 +91,10 @@ def _one_thread():
 @pytest.mark.parametrize("spec", GAPS)
 @pytest.mark.parametrize("scenario", [FREE, GIVEN], ids=["free", "given"])
 def test_far_points_have_the_shortest_route(spec, scenario):
-    """No longer than the certified search's, from guesses that know no word."""
+    """Far points have the shortest route.
+
+    It is no longer than the certified search's, from guesses that know no word.
+    """
     if load(spec).unavailable() is not None:
         pytest.skip(f"{spec}: {load(spec).unavailable()}")
     answer = attempt(load(spec), Question(scenario), 20.0)
@@ -111,7 +116,9 @@ def test_one_leg_with_a_final_heading_is_a_route_too(spec):
 @pytest.mark.many(6)
 @pytest.mark.parametrize(("spec", "scenario"), ASKED)
 def test_every_engine_answers_or_says_that_it_does_not(spec, scenario):
-    """A path that arrives where it claims one; of headings there is one.
+    """Every engine answers or says that it cannot.
+
+    A path arrives where it claims one; of headings there is one.
 
     What an engine calls infeasible is passed on, with no path, by models of the question itself.
     """
@@ -132,8 +139,15 @@ def test_every_engine_answers_or_says_that_it_does_not(spec, scenario):
 
 @pytest.mark.parametrize("scenario", [FREE, NEAR], ids=["free", "given"])
 def test_what_is_missed_and_its_slopes_are_those_of_the_path(scenario):
-    """Against the path driven leg by leg, and differences of every element's turn and growth."""
-    course, random, n, h = body_course(scenario), np.random.default_rng(4), 4, 1e-6
+    """Misses and their slopes are the path's.
+
+    They are compared with the path driven leg by leg, and differences of every element's turn and
+    growth.
+    """
+    course = body_course(scenario)
+    random = np.random.default_rng(4)
+    n = 4
+    h = 1e-6
     length = random.uniform(0.1, 3, n * course.legs)
     rate = random.uniform(-1, 1, length.size) * (np.arange(length.size) % 3 > 0)  # some straights
     elements = Elements(rate * length, length)
@@ -162,7 +176,10 @@ def test_what_is_missed_and_its_slopes_are_those_of_the_path(scenario):
 
 @pytest.mark.parametrize("spec", ["multiple-shooting", "turn-rate-qp"])
 def test_a_path_through_the_points_is_a_warm_guess(spec):
-    """It is cut at the points, and an engine that begins there has less to do."""
+    """A path through the points is a warm guess.
+
+    It is cut at the points, and an engine that begins there has less to do.
+    """
     cold = attempt(load(spec), Question(GIVEN), 20.0)
     warm = attempt(load(spec), Question(GIVEN, initial_guess=cold.path), 20.0)
 
@@ -172,7 +189,10 @@ def test_a_path_through_the_points_is_a_warm_guess(spec):
 
 
 def test_the_grid_of_headings_takes_routes():
-    """Its gap is the grid's, a thousandth, with points and final headings met exactly."""
+    """The grid of headings takes routes.
+
+    Its gap is the grid's, a thousandth, with points and final headings met exactly.
+    """
     for scenario in (FREE, GIVEN, NEAR, POSE):
         answer = attempt(load("heading-milp[headings=48]"), Question(scenario), 20.0)
         assert answer.claim is Claim.LOCAL
@@ -181,7 +201,10 @@ def test_the_grid_of_headings_takes_routes():
 
 
 def test_a_dynamic_program_finds_the_optimum_of_the_integer_program():
-    """The same grid by HiGHS; refined it is as short as the search's shortest route."""
+    """The dynamic program finds the integer optimum.
+
+    HiGHS solves the same grid; refined it is as short as the search's shortest route.
+    """
     for scenario in (FREE, GIVEN, NEAR, POSE):
         grid = attempt(load("heading-grid[headings=24]"), Question(scenario), 20.0)
         milp = attempt(load("heading-milp[headings=24]"), Question(scenario), 20.0)
@@ -194,7 +217,10 @@ def test_a_dynamic_program_finds_the_optimum_of_the_integer_program():
 
 @pytest.mark.parametrize("target", [(5, 1), (-3, 0.2), (-0.2, 0.6), (0.4, -1.2), (2, -5)])
 def test_the_words_of_one_free_leg_are_the_four(target):
-    """From the grid's path the engine comes to the closed form's shortest path."""
+    """The words of one free leg are four.
+
+    From the grid's path the engine comes to the closed form's shortest path.
+    """
     scenario = Scenario(0, 0, 0.0, *target, 1)
     answer = attempt(load("route-nlp[model=words,initial_guess=words]"), Question(scenario), 10.0)
 
@@ -203,20 +229,28 @@ def test_the_words_of_one_free_leg_are_the_four(target):
 
 
 def best_of_grid(scenario, count):
-    """The headings of the shortest route with so many at each point."""
+    """Best headings of a grid.
+
+    The shortest route takes so many at each point.
+    """
     places = places_of(scenario)
     return headings_on_grid(places, list(range(places.count)), count)
 
 
 @pytest.mark.parametrize("scenario", [FREE, NEAR], ids=["free", "given"])
 def test_the_program_of_known_words_is_the_joint_one_without_the_other_arcs(scenario):
-    """Its equations hold on the grid's path."""
+    """The program of known words is a joint one.
+
+    It is the joint program without the other arcs. Its equations hold on the grid's path.
+    """
     route = route_of(scenario)
     known = best_of_grid(scenario, 24)
     places = joint.word_places(route, known)
-    program, everything = joint.program(route, places), joint.program(route)
+    program = joint.program(route, places)
+    everything = joint.program(route)
     point = joint.words_guess(route, known)
-    functions, x = program.functions, joint._kept(point, places)
+    functions = program.functions
+    x = joint._kept(point, places)
 
     if scenario.final_heading is not None:  # else the last arc is left out
         assert np.abs(functions.equations(x)).max() < 1e-12
@@ -227,7 +261,10 @@ def test_the_program_of_known_words_is_the_joint_one_without_the_other_arcs(scen
 
 
 def test_every_solver_takes_routes_or_the_documentation_says_why_not():
-    """By name, in the table of `docs/formulations/index.md`."""
+    """Every solver takes routes or is documented.
+
+    The table of `docs/formulations/index.md` names it.
+    """
     text = (Path(__file__).parents[3] / "docs/formulations/index.md").read_text()
     section = text.split("## Which take routes")[1].split("## Which one")[0]
     taking, table = section.split("| solver | why not |")
@@ -246,11 +283,16 @@ def random_route(random: np.random.Generator, legs: int, low: float, high: float
 
 @pytest.mark.parametrize("low", [0.3, 4.0])
 def test_slopes_and_curvatures_of_a_route_are_those_of_its_length(low):
-    """Against central differences, wherever no word changes between their points."""
-    random, compared = np.random.default_rng(3), 0
+    """Slopes and curvatures are those of the length.
+
+    Central differences are taken wherever no word changes between their points.
+    """
+    random = np.random.default_rng(3)
+    compared = 0
     for _ in range(60):
         route = route_of(random_route(random, 4, low, low + 4))
-        x, h = random.uniform(-3, 3, route.unknowns), 1e-5
+        x = random.uniform(-3, 3, route.unknowns)
+        h = 1e-5
         functions = headings.program(route).functions
         steps = h * np.eye(x.size)
         words = {
@@ -273,13 +315,17 @@ def test_slopes_and_curvatures_of_a_route_are_those_of_its_length(low):
 @pytest.mark.parametrize("low", [0.3, 4.0])
 @pytest.mark.parametrize("posed", [joint.program, headings.program])
 def test_entries_are_those_of_the_whole_derivatives(posed, low):
-    """What engines of sparse programs are given: every entry that is not zero, so many a leg.
+    """Entries are those of the whole derivatives.
+
+    Engines of sparse programs are given every entry that is not zero, so many a leg.
 
     Whole matrices come from the same entries, or from functions written by hand.
     """
-    random, legs = np.random.default_rng(5), 20
+    random = np.random.default_rng(5)
+    legs = 20
     program = posed(route_of(random_route(random, legs, low, low + 4)))
-    functions, n = program.functions, program.lower.size
+    functions = program.functions
+    n = program.lower.size
     entries = functions.entries
     x = random.uniform(0.1, 3, n)
     weights = random.uniform(-2, 2, functions.equations(x).size)
@@ -295,11 +341,16 @@ def test_entries_are_those_of_the_whole_derivatives(posed, low):
 
 @pytest.mark.parametrize("final", [None, 1.0])
 def test_derivatives_of_a_route_are_those_of_its_equations(final):
-    """Against central differences."""
-    random, h = np.random.default_rng(7), 1e-6
+    """Derivatives of a route are those of its equations.
+
+    They are compared with central differences.
+    """
+    random = np.random.default_rng(7)
+    h = 1e-6
     scenario = replace(random_route(random, 5, 4.0, 8.0), final_heading=final)
     program = joint.program(route_of(scenario))
-    functions, n = program.functions, program.lower.size
+    functions = program.functions
+    n = program.lower.size
     x = random.uniform(0.1, 3, n)
     weights = random.uniform(-2, 2, functions.equations(x).size)
     both = [(x + step, x - step) for step in h * np.eye(n)]
@@ -313,7 +364,10 @@ def test_derivatives_of_a_route_are_those_of_its_equations(final):
 
 @pytest.mark.parametrize("engine", ["uno-filtersqp", "trust-constr"])
 def test_engines_of_sparse_programs_are_given_no_whole_matrix(engine):
-    """At 200 legs those took Uno 5 s of 5.2, and trust-constr all of its time."""
+    """Engines of sparse programs get no whole matrix.
+
+    At 200 legs those took Uno 5 s of 5.2, and trust-constr all of its time.
+    """
     if reason := ENGINES[engine].unavailable():
         pytest.skip(reason)
     points = [(8.0 * i, (-1) ** i) for i in range(1, 31)]
@@ -321,7 +375,8 @@ def test_engines_of_sparse_programs_are_given_no_whole_matrix(engine):
     route = route_of(scenario)
     known = best_of_grid(scenario, 24)
     places = joint.word_places(route, known)
-    program, guess = joint.program(route, places), joint._kept(joint.words_guess(route), places)
+    program = joint.program(route, places)
+    guess = joint._kept(joint.words_guess(route), places)
     functions = program.functions._replace(jacobian=None, hessian=None)
 
     result = ENGINES[engine].load()(1e-6)(replace(program, written=functions), guess, 20.0)
@@ -341,11 +396,15 @@ def test_many_headings_at_once_have_the_lengths_of_each():
 
 @pytest.mark.parametrize("seed", range(8))
 def test_the_program_holds_all_six_words(seed):
-    """The arcs of the shortest legs satisfy the equations, and are driven to the same end."""
+    """The program holds all six words.
+
+    The arcs of the shortest legs satisfy the equations, and are driven to the same end.
+    """
     random = np.random.default_rng(seed)
     scenario = random_route(random, 12, 0.2, 4.0)
     route = route_of(scenario)
-    program, point = joint.program(route), joint.words_guess(route)
+    program = joint.program(route)
+    point = joint.words_guess(route)
 
     segments, words = route.shortest(route.headings(route.toward_next()))
     driven = path_of(scenario, WORD_TURNS[words].ravel(), segments.T.ravel())
@@ -359,12 +418,17 @@ def test_the_program_holds_all_six_words(seed):
 
 @pytest.mark.parametrize("guess", [joint.turned_guess, joint.random_guess])
 def test_the_equations_are_what_the_arcs_leave(guess):
-    """Against the path driven leg by leg from the point where the leg begins."""
-    scenario, random = GIVEN, np.random.default_rng(5)
+    """The equations are what the arcs leave.
+
+    They are compared with the path driven leg by leg from the point where the leg begins.
+    """
+    scenario = GIVEN
+    random = np.random.default_rng(5)
     route = route_of(scenario)
     point = guess(route, random) if guess is joint.random_guess else guess(route)
     left = joint.program(route).functions.equations(point)
-    arcs, heading = point.reshape(-1, 6)[:, :5], route.first
+    arcs = point.reshape(-1, 6)[:, :5]
+    heading = route.first
 
     for leg, step in enumerate(route.steps):
         start = Scenario(0, 0, heading, 1, 1)
@@ -376,9 +440,13 @@ def test_the_equations_are_what_the_arcs_leave(guess):
 
 
 def test_the_final_heading_may_be_turns_away():
-    """The equation of a final heading holds after a whole turn more, and not at the opposite."""
+    """The final heading may be turns away.
+
+    Its equation holds after a whole turn more, and not at the opposite.
+    """
     route = route_of(GIVEN)
-    program, point = joint.program(route), joint.turned_guess(route)
+    program = joint.program(route)
+    point = joint.turned_guess(route)
     assert program.functions.equations(point)[-1] == pytest.approx(0, abs=1e-12)
     for turn, left in ((2 * math.pi, 0.0), (4 * math.pi, 0.0), (math.pi, 2.0)):
         moved = point.copy()
@@ -397,7 +465,10 @@ def test_without_an_unknown_heading_no_engine_is_asked():
 
 
 def test_turns_below_zero_are_given_to_their_neighbours():
-    """The turn of a leg stays; cut off, it would turn every leg after it."""
+    """Turns below zero are given to their neighbours.
+
+    The turn of a leg stays; cut off, it would turn every leg after it.
+    """
     arcs = np.array([[-1e-8, 0.5, 3.0, 1.0, -2e-8], [0.2, 0.0, -1e-8, -1e-9, 0.4]])
     driven = joint._driven(arcs)
     turns = np.array((1, -1, 0, 1, -1))
@@ -413,12 +484,16 @@ def test_engines_that_cannot_read_headings_are_refused(spec):
 
 
 def of_all_choices(scenario: Scenario, count: int) -> float:
-    """The shortest of all ways through the grid, each leg by the scalar closed form."""
+    """Shortest of all ways through the grid.
+
+    Each leg is solved by the scalar closed form.
+    """
     grid = scenario.heading + np.arange(count) * 2 * math.pi / count
     given = scenario.final_heading
     free = [grid] * (scenario.legs - (given is not None))
     ends = free if given is None else [*free, [given]]
-    points, least = scenario.points, math.inf
+    points = scenario.points
+    least = math.inf
     known: dict[tuple[int, float, float], float] = {}
 
     def length(leg: int, a: float, b: float) -> float:
@@ -445,7 +520,11 @@ def test_the_answer_is_the_shortest_way_through_the_grid(scenario):
 
 @pytest.mark.parametrize("scenario", [NEAR, FREE], ids=["near", "far"])
 def test_its_relaxation_is_integral_and_the_dynamic_programs(scenario):
-    """Why the integer program is only a check: a linear one has the same vertex."""
+    """Its relaxation is integral.
+
+    A linear program has the dynamic program's vertex: this is why the integer program is only a
+    check.
+    """
     _, program = HeadingMilp(headings=12).build(Question(scenario))
 
     relaxed = linprog(program.cost, A_eq=program.rows, b_eq=program.least, method="highs-ds")
@@ -457,7 +536,11 @@ def test_its_relaxation_is_integral_and_the_dynamic_programs(scenario):
 
 @pytest.mark.slow
 def test_the_gap_falls_with_the_square_of_the_headings():
-    """Eight times the headings; a grid that happens to hold the best headings is averaged out."""
+    """The gap falls with the square of headings.
+
+    There are eight times the headings; a grid that happens to hold the best headings is averaged
+    out.
+    """
     gaps = [
         [attempt(HeadingMilp(headings=k), Question(scenario), 20.0).gap for k in (n, n + 1, n + 3)]
         for scenario in (FREE, NEAR)
@@ -469,7 +552,10 @@ def test_the_gap_falls_with_the_square_of_the_headings():
 
 
 def test_the_bound_is_of_the_grid_and_is_not_passed_off_as_the_scenarios():
-    """The bound in the message is the path's length, which is above the shortest one."""
+    """The bound is the grid's, not the scenario's.
+
+    The bound in the message is the path's length, which is above the shortest one.
+    """
     answer = attempt(HeadingMilp(), Question(NEAR), 20.0)
     bound = float(answer.message.split("bound ")[1].split()[0])
 
@@ -480,7 +566,7 @@ def test_the_bound_is_of_the_grid_and_is_not_passed_off_as_the_scenarios():
 
 
 def test_every_engine_finds_the_same_optimum(capfd):
-    """In silence."""
+    """Every engine finds the same optimum in silence."""
     answer, highs = (attempt(HeadingMilp(name, 16), Question(FREE)) for name in ("scip", "highs"))
 
     assert answer.claim is highs.claim is Claim.LOCAL
@@ -494,7 +580,10 @@ TRACED = ("nelder-mead", "differential-evolution", "cma-es", "slsqp", "nlopt-cob
 
 @pytest.mark.parametrize("engine", engine_params(TRACED))
 def test_a_trace_gets_better_until_the_answer(engine):
-    """Evaluations grow, lengths fall, the last is the answer's, and tracing changes no answer."""
+    """A trace gets better until the answer.
+
+    Evaluations grow, lengths fall, the last is the answer's, and tracing changes no answer.
+    """
     spec = f"headings[engine={engine}]"
     traced, plain = solve(TRACED_ROUTE, f"{spec[:-1]},trace=true]"), solve(TRACED_ROUTE, spec)
 
@@ -508,7 +597,10 @@ def test_a_trace_gets_better_until_the_answer(engine):
 
 @pytest.mark.parametrize("engine", ["nelder-mead", "powell"])
 def test_a_trace_is_what_smaller_budgets_give(engine):
-    """A search that may evaluate no more than N times returns what the trace has at N."""
+    """A trace is what smaller budgets give.
+
+    A search that may evaluate no more than N times returns what the trace has at N.
+    """
     traced = solve(TRACED_ROUTE, f"headings[engine={engine},trace=true]")
 
     for place in (1, len(traced.trace_lengths) // 2):
@@ -518,7 +610,10 @@ def test_a_trace_is_what_smaller_budgets_give(engine):
 
 
 def test_runs_from_several_guesses_are_counted_one_after_another():
-    """What the second run finds has been paid for by all of the first."""
+    """Runs from several guesses are counted in turn.
+
+    What the second run finds has been paid for by all of the first.
+    """
     spec = "headings[engine=nelder-mead,initial_guess=random,seed=1,trace=true,count={}]"
     one, both = (solve(TRACED_ROUTE, spec.format(count)) for count in (1, 2))
 
@@ -529,7 +624,10 @@ def test_runs_from_several_guesses_are_counted_one_after_another():
 
 
 def test_a_trace_travels_with_its_reply():
-    """As plain values, path by path."""
+    """A trace travels with its reply.
+
+    It has plain values, path by path.
+    """
     reply = ask(load("headings[engine=nelder-mead,trace=true]"), Question(TRACED_ROUTE))
 
     sent = decode_reply(encode_reply(reply))

@@ -1,4 +1,7 @@
-"""shooting: equations against an integrator, sign conditions against theory, answers judged."""
+"""shooting: equations, sign conditions and judged answers.
+
+The equations are compared with an integrator, the sign conditions with theory.
+"""
 
 import math
 
@@ -22,7 +25,10 @@ costates = st.tuples(*[st.floats(-2, 2)] * 4).map(np.array)
 
 
 def integrate(structure, durations, costates):
-    """States and nu3 by (2.2) and (2.6) at the ends of both pieces: rows (x, y, theta, nu3)."""
+    """States and nu3 by (2.2) and (2.6).
+
+    They are rows (x, y, theta, nu3) at the ends of both pieces.
+    """
     nu1, nu2, nu3 = costates[1:]
     states = [np.array((0.0, 0.0, 0.0, nu3))]
     for turn, duration in zip(structure.turns, durations, strict=True):
@@ -40,7 +46,10 @@ def integrate(structure, durations, costates):
 @settings(max_examples=15)
 @given(durations, costates)
 def test_the_pieces_are_solutions_of_the_canonical_equations(turns, durations, costates):
-    """States, nu3 and its derivative against an ODE integrator at 1e-12."""
+    """The pieces solve the canonical equations.
+
+    States, nu3 and its derivative are compared with an ODE integrator at 1e-12.
+    """
     structure = Structure(turns, 3.0, -2.0)
     switch, end = integrate(structure, durations, costates)
     nu0, nu1, nu2, nu3 = costates
@@ -54,9 +63,10 @@ def test_the_pieces_are_solutions_of_the_canonical_equations(turns, durations, c
         nu0**2 + nu1**2 + nu2**2 - 1,
     )
 
-    found = structure.residual(structure.unknowns(costates, durations))
+    residual = structure.residual(structure.unknowns(costates, durations))
 
-    np.testing.assert_allclose(found, expected, atol=1e-9)  # the integrator's error over 14 radii
+    # the integrator's error over 14 radii
+    np.testing.assert_allclose(residual, expected, atol=1e-9)
     assert structure.miss(durations) == pytest.approx(
         math.hypot(end[0] - 3.0, end[1] + 2.0), abs=1e-9
     )
@@ -65,8 +75,12 @@ def test_the_pieces_are_solutions_of_the_canonical_equations(turns, durations, c
 @pytest.mark.parametrize("turns", TURNS)
 @given(durations, costates)
 def test_the_jacobian_is_the_derivative_of_the_residual(turns, durations, costates):
-    """Central differences with step 1e-6 are right to about 1e-9 for numbers of this size."""
-    structure, h = Structure(turns, 3.0, -2.0), 1e-6
+    """The Jacobian is the derivative of the residual.
+
+    Central differences with step 1e-6 are right to about 1e-9 for numbers of this size.
+    """
+    structure = Structure(turns, 3.0, -2.0)
+    h = 1e-6
     v = structure.unknowns(costates, durations)
     numeric = np.column_stack(
         [
@@ -81,7 +95,9 @@ def test_the_jacobian_is_the_derivative_of_the_residual(turns, durations, costat
 @pytest.mark.parametrize("front", [True, False])
 @pytest.mark.parametrize("side", [1, -1])
 def test_margins_down_to_rounding(front, side):
-    """Where the equations become singular and the length jumps, no answer is wrong or claims more.
+    """Margins down to rounding give no wrong answer.
+
+    Where the equations become singular and the length jumps, no answer is wrong or claims more.
 
     From 1e-1 to 1e-13 of a radius outside and inside the left circle.
     """
@@ -98,9 +114,13 @@ def test_margins_down_to_rounding(front, side):
 
 
 def test_an_extremal_need_not_be_the_shortest():
-    """LS where RS is best meets every condition: this is why the claim is local."""
+    """An extremal need not be the shortest.
+
+    LS where RS is best meets every condition: this is why the claim is local.
+    """
     problem = PAPER["problem 1"]
-    best, other = solve(problem, "shooting"), solve(problem, "shooting", "LS")
+    best = solve(problem, "shooting")
+    other = solve(problem, "shooting", "LS")
 
     assert other.length > best.length + 1
     assert other.claim is Claim.LOCAL
@@ -108,7 +128,10 @@ def test_an_extremal_need_not_be_the_shortest():
 
 
 def test_a_branch_may_be_answered_by_a_path_that_is_no_extremal():
-    """A second arc below pi turns against nu3, but a branch that prescribes the turns has it."""
+    """A branch may be answered by no extremal.
+
+    A second arc below pi turns against nu3, but a branch that prescribes the turns has it.
+    """
     short = solve(Scenario(0, 0, 0, 1.5, 0.5, 1), "shooting", "RL")
     long = solve(Scenario(0, 0, 0, 0.3, 1.2, 1), "shooting", "RL")
 
@@ -119,7 +142,10 @@ def test_a_branch_may_be_answered_by_a_path_that_is_no_extremal():
 
 
 def test_a_start_that_fails_says_so_and_keeps_its_point():
-    """From all zeros the dogleg gets nowhere: failed, with what is wrong and the nearest path."""
+    """A start that fails keeps its point.
+
+    From all zeros the dogleg gets nowhere: failed, with what is wrong and the nearest path.
+    """
     answer = solve(PAPER["problem 1"], "shooting[initial_guess=zero]")
 
     assert answer.claim is Claim.FAILED

@@ -1,4 +1,7 @@
-"""What each status of each engine claims: its own meaning, whichever interface tells it."""
+"""Claim of each status of each engine.
+
+A status has its own meaning, whichever interface tells it.
+"""
 
 import importlib
 from dataclasses import replace
@@ -333,7 +336,10 @@ def test_casadis_word_counts_where_the_engine_has_none(plugin, status, unified, 
 @pytest.mark.parametrize("engine", CONVEX)
 @pytest.mark.parametrize("interface", INTERFACES)
 def test_no_point_is_infeasible_by_either_interface(engine, interface):
-    """One of the rows asks for what the variables' bounds exclude."""
+    """No point is infeasible by either interface.
+
+    One of the rows asks for what the variables' bounds exclude.
+    """
     if reason := missing_package(CONVEX[engine].package, "cvxpy"):
         pytest.skip(reason)
     problem = read("qp-50-random-6-0")
@@ -350,7 +356,10 @@ def test_no_point_is_infeasible_by_either_interface(engine, interface):
 @pytest.mark.parametrize("engine", [name for name, engine in CONVEX.items() if engine.seconds])
 @pytest.mark.parametrize("interface", INTERFACES)
 def test_the_time_limit_is_a_limit_by_either_interface(engine, interface):
-    """SCS says "solved (inaccurate ...)", of which cvxpy leaves "inaccurate" alone."""
+    """The time limit is one by either interface.
+
+    SCS says "solved (inaccurate ...)", of which cvxpy leaves "inaccurate" alone.
+    """
     if reason := missing_package(CONVEX[engine].package, "cvxpy"):
         pytest.skip(reason)
     if (engine, interface) == ("daqp", "cvxpy"):

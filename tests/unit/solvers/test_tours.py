@@ -1,4 +1,6 @@
-"""Formulations of tours, beside every order and all headings of the grid, and proven optima.
+"""Formulations of tours, beside proven optima.
+
+Every order and all headings of the grid are tried too.
 
 OR-tools carries another HiGHS than highspy: what it solves is asked in a worker process.
 """
@@ -57,7 +59,10 @@ ISOLATED = [
 
 
 def brute_force(scenario, count):
-    """The length of the best tour of all orders and all headings of a grid."""
+    """Length of the grid's best tour.
+
+    All orders and all headings are tried.
+    """
     first = scenario.heading or 0.0
     grid = [first + 2 * math.pi / count * k for k in range(count)]
     target = scenario.stops[len(scenario.via) :]
@@ -90,7 +95,10 @@ def best_on_grid():
 
 @pytest.mark.parametrize("spec", HERE)
 def test_the_best_of_all_orders_and_headings_is_found(spec, best_on_grid):
-    """By every model; it is feasible, and no bound of the grid is passed on."""
+    """The best of all orders and headings is found.
+
+    Every model finds it; it is feasible, and no bound of the grid is passed on.
+    """
     for name, scenario in KINDS.items():
         answer = attempt(load(spec), Question(scenario))
 
@@ -111,7 +119,10 @@ def test_engines_of_or_tools_find_the_same(spec, best_on_grid):
 
 
 def test_a_vehicle_visits_one_heading_of_each_point(best_on_grid):
-    """The library proves nothing: a tour of the grid, near the best one."""
+    """A vehicle visits one heading of each point.
+
+    The library proves nothing: a tour of the grid is near the best one.
+    """
     asked = {name: one for name, one in KINDS.items() if name not in FREE_STARTS}
     spec = "tour-routing[headings=4]"
     answers = ask_isolated(spec, "default", map(Question, asked.values()), 20.0)
@@ -128,7 +139,10 @@ def test_a_vehicle_has_one_depot():
 
 
 def _random_tour(seed):
-    """4 points, some far apart and some near, of a kind that the seed says."""
+    """4 points of a kind that the seed says.
+
+    Some are far apart and some near.
+    """
     random = np.random.default_rng(seed)
     side = (16.0, 6.0, 3.0)[seed % 3]
     via = random.uniform(0, side, (4, 2))
@@ -139,7 +153,10 @@ def _random_tour(seed):
 @pytest.mark.many(6)
 @pytest.mark.parametrize("seed", range(12))
 def test_bounds_are_bounds_of_the_question(seed):
-    """Below the proven optimum, and no bound that says nothing."""
+    """Bounds are bounds of the question.
+
+    They are below the proven optimum, and no bound says nothing.
+    """
     scenario = _random_tour(seed)
     proven = solve(scenario)
     spec = "tour-milp[costs=bounds,model=cuts]"
@@ -163,7 +180,10 @@ def test_bounds_of_all_engines_are_one():
 
 
 def test_a_bound_between_given_headings_proves_the_tour():
-    """With all headings given, a bound of a leg is its length."""
+    """A bound between given headings proves the tour.
+
+    With all headings given, a bound of a leg is its length.
+    """
     via = [(9, 1, 0.3), (3, 8, -2.0), (-5, 2, 1.0)]
     scenario = Scenario(0, 0, 0, 2, -9, via=via, final_heading=0.0, order="free")
 
@@ -185,7 +205,10 @@ def test_a_tour_of_no_length_has_a_gap():
 
 
 def test_bounds_are_below_lengths_in_their_intervals():
-    """Of legs near and far, against lengths at 15 headings of each interval."""
+    """Bounds are below lengths in their intervals.
+
+    Legs are near and far; lengths are taken at 15 headings of each interval.
+    """
     random = np.random.default_rng(0)
     for _ in range(40):
         step = random.normal(size=2) * random.choice([0.5, 2.0, 6.0])
@@ -229,7 +252,9 @@ def test_models_forbid_subtours(model):
 
 @pytest.mark.parametrize("kind", [{}, {"closed": True}, {"target_x": 3.0, "target_y": 4.0}])
 def test_the_order_by_straight_lines_is_exact_up_to_12_points(kind):
-    """Beside all orders of 6 points; the exchange for more points is within 5 % of the program's
+    """Straight-line orders are exact up to 12 points.
+
+    All orders of 6 points are tried; the exchange for more points is within 5 % of the program's
     on 12.
     """
     for seed in range(5):
@@ -276,7 +301,10 @@ def test_every_other_leg_of_the_alternating_algorithm_is_straight():
 
 
 def test_the_best_headings_of_an_order_are_those_of_the_search():
-    """Where points are far apart, the route through them has one minimum."""
+    """An order's best headings are the search's.
+
+    Where points are far apart, the route through them has one minimum.
+    """
     scenario = Scenario(0, 0, 0.5, via=[(20, 3), (10, 20), (-15, 8)], order="free")
     answer = solve(scenario, "tour-order")
     stops = [scenario.via[i] for i in answer.order]

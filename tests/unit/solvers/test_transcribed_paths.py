@@ -1,7 +1,8 @@
-"""What every transcription finds: the closed form's length up to its tolerance or its steps.
+"""Paths of every transcription.
 
-What turning to one side proves of the words LS and RS: nothing. Collocation and turn rates beside
-an integrator; the engines of turn-rate-qp.
+Each has the closed form's length up to its tolerance or its steps. Turning to one side proves
+nothing of the words LS and RS. Collocation and turn rates stand beside an integrator; the engines
+of turn-rate-qp are tested.
 """
 
 import math
@@ -50,7 +51,10 @@ LEFT = Scenario(0, 0, 0, -0.2, 0.6, 1)
 @pytest.mark.parametrize("branch", RATES)
 @pytest.mark.parametrize("edge", EDGES)
 def test_every_branch_at_every_kind_of_target(edge, branch, spec):
-    """The closed form's length, and turns to the branch's side only; else the search fails."""
+    """Every branch works at every kind of target.
+
+    It finds the closed form's length, and turns to the branch's side only; else the search fails.
+    """
     answer = solve(EDGES[edge], spec, branch)
 
     assert not answer.false_claim
@@ -69,7 +73,10 @@ def test_every_branch_at_every_kind_of_target(edge, branch, spec):
 @pytest.mark.slow
 @pytest.mark.parametrize("spec", TINY)
 def test_hard_scenarios(spec):
-    """Radii from 1e-6 to 1e6, targets on circles, next to them, at the start and 1e9 radii away."""
+    """Hard scenarios are solved.
+
+    Radii are from 1e-6 to 1e6, targets on circles, next to them, at the start and 1e9 radii away.
+    """
     for row in hard_frame(24, seed=3).itertuples():
         scenario = scenario_of(row._asdict())
         for branch in RATES:
@@ -82,7 +89,9 @@ def test_hard_scenarios(spec):
 
 @pytest.mark.parametrize("spec", SLOW_COLLOCATION)
 def test_equal_elements_gain_with_their_number(spec):
-    """A switch inside an element costs; 8 times more elements cost 20 times less, or better.
+    """Equal elements gain with their number.
+
+    A switch inside an element costs; 8 times more elements cost 20 times less, or better.
 
     64 would be the second order's; where in an element the switch falls decides the rest.
     """
@@ -99,7 +108,10 @@ def test_equal_elements_gain_with_their_number(spec):
     [("turn-rates", (12, 24, 72, 144), 15), ("turn-rate-qp", (12, 24, 192, 384), 100)],
 )
 def test_the_gap_falls_with_the_square_of_the_step(spec, steps, factor, place):
-    """6 or 16 times more steps: 15 or 100 times smaller where order two would give 36 or 256."""
+    """The gap falls with the square of steps.
+
+    6 or 16 times more steps: 15 or 100 times smaller where order two would give 36 or 256.
+    """
     X, Y, heading = place
     gaps = [solve(Scenario(0, 0, heading, X, Y, 1), f"{spec}[n={n}]").gap for n in steps]
 
@@ -111,7 +123,10 @@ def test_the_gap_falls_with_the_square_of_the_step(spec, steps, factor, place):
 @pytest.mark.parametrize("spec", ["turn-rates", "turn-rate-qp"])
 @pytest.mark.parametrize("mesh", ["equal", "graded"])
 def test_far_targets_need_a_graded_mesh(spec, mesh):
-    """1000 R behind, equal steps are 20 R long: the turn is too wide, and the gap says so."""
+    """Far targets need a graded mesh.
+
+    1000 R behind, equal steps are 20 R long: the turn is too wide, and the gap says so.
+    """
     answer = solve(Scenario(0, 0, 0, -950, 300, 1), f"{spec}[mesh={mesh}]")
 
     assert answer.claim is Claim.LOCAL
@@ -125,7 +140,10 @@ def test_far_targets_need_a_graded_mesh(spec, mesh):
     [([1.0, 0.0] * 4, [0.5] * 8), ([math.nan], [1.0]), ([], []), ([1.0], [0.0]), ([5.0], [3.0])],
 )
 def test_a_useless_warm_start_does_no_harm(spec, curvature, length):
-    """More arcs than elements, a broken path, one of no length, one that turns too hard."""
+    """A useless warm start does no harm.
+
+    It has more arcs than elements, or is broken, of no length, or turns too hard.
+    """
     behind = EDGES["behind"]
 
     guess = Path(behind.start, curvature, length)
@@ -163,7 +181,10 @@ INSIDE = [(0.0, 1.0), (0.3, 0.6), (-0.5, 1.2)]
 
 
 def one_sided(X, Y):
-    """Straight on, and then less than a full turn to the left: arrives at a target in the disc."""
+    """A one-sided path to a target in the disc.
+
+    It goes straight on, and then less than a full turn to the left.
+    """
     ahead = X + math.sqrt(1 - (Y - 1) ** 2)
     return Path((0.0, 0.0, 0.0), [0.0, 1.0], [ahead, math.atan2(X - ahead, 1 - Y) % (2 * math.pi)])
 
@@ -173,7 +194,9 @@ def one_sided(X, Y):
 @pytest.mark.parametrize("side", [1, -1])
 @pytest.mark.parametrize("name", ["turn-rates", "collocation", "multiple-shooting", "turn-rate-qp"])
 def test_no_claim_about_the_word(name, side, X, Y):
-    """With rates on one side a path exists, so whoever calls that infeasible has failed.
+    """No claim is made about the word.
+
+    With rates on one side a path exists, so a solver that calls that infeasible has failed.
 
     The word has none: `none exists` would be right by accident, and proved by nobody.
     """
@@ -189,7 +212,9 @@ def test_no_claim_about_the_word(name, side, X, Y):
 
 
 def test_the_transcription_is_an_ode_solved_by_quadrature():
-    """The end point that Ipopt meets is the ODE's, up to the miss that is reported before closing.
+    """The transcription is the ODE, by quadrature.
+
+    The end point that Ipopt meets is the ODE's, up to the miss that is reported before closing.
 
     An adaptive integrator drives the raw controls; with 3 points an arc cannot be hit by chance.
     """
@@ -206,7 +231,10 @@ def test_the_transcription_is_an_ode_solved_by_quadrature():
 @pytest.mark.many(1)
 @pytest.mark.parametrize("points", [2, 3, 4])
 def test_the_miss_falls_as_radaus_order_says(points):
-    """Order 2 p - 1 in the elements (Hairer and Wanner 1996, sec. IV.5), switch or no switch."""
+    """The miss falls as Radau's order says.
+
+    The order is 2 p - 1 in the elements (Hairer and Wanner 1996, sec. IV.5), switch or no switch.
+    """
     misses = [
         solve(LEFT, f"collocation[n={n},points={points},correct=false]").miss for n in (4, 12)
     ]
@@ -221,8 +249,10 @@ def test_the_miss_falls_as_radaus_order_says(points):
 def test_equations_are_the_gap_at_the_end(n, seed):
     """An adaptive integrator drives the steps one after another."""
     random = np.random.default_rng(seed)
-    rate, whole = random.uniform(-1, 1, n), random.uniform(0.5, 8)
-    share, target = random.dirichlet(np.ones(n)), random.normal(size=2)
+    rate = random.uniform(-1, 1, n)
+    whole = random.uniform(0.5, 8)
+    share = random.dirichlet(np.ones(n))
+    target = random.normal(size=2)
     pose = integrated(Path(Pose(0, 0, 0), rate, share * whole))
 
     functions = expressions(n, 1, 0).functions(np.concatenate((target, share)))
@@ -250,7 +280,10 @@ PLACES = {
 
 
 def scenario_at(X: float, Y: float, radius: float = 1.0) -> Scenario:
-    """A target at (X, Y) radii in the vehicle's frame, start away from the origin."""
+    """A target at (X, Y) radii of the vehicle.
+
+    The start is away from the origin.
+    """
     return placed(X, Y, 2 * radius, -radius, 0.7, radius)
 
 
@@ -262,7 +295,10 @@ def ask(
 
 
 def check_path(scenario: Scenario, solution: Solution, found: Judgement, n: int) -> None:
-    """What is promised of every path: n steps from the start, on the target, rates in bounds."""
+    """Check the promises of every path.
+
+    It has n steps from the start, ends on the target, and keeps rates in bounds.
+    """
     assert solution.path.start == scenario.start
     assert solution.path.curvatures.size in (0, n)  # at the start there is nothing to drive
     # dividing by the radius and multiplying again may cost a rounding
@@ -283,8 +319,12 @@ def check_path(scenario: Scenario, solution: Solution, found: Judgement, n: int)
     ],
 )
 def test_every_engine_answers_everywhere(engine: str, place: str) -> None:
-    """A path with a small gap, or at least a claim that says there is none."""
-    scenario, solver = scenario_at(*PLACES[place]), TurnRateQp(n=30, engine=engine, options="tuned")
+    """Every engine answers everywhere.
+
+    It has a path with a small gap, or at least a claim that says there is none.
+    """
+    scenario = scenario_at(*PLACES[place])
+    solver = TurnRateQp(n=30, engine=engine, options="tuned")
 
     solution, found = ask(scenario, solver=solver)
 
@@ -300,7 +340,10 @@ def test_every_engine_answers_everywhere(engine: str, place: str) -> None:
 @pytest.mark.parametrize("branch", ["LS", "RS"])
 @pytest.mark.parametrize("distance", [1e-9, 1e-4, 0.02])
 def test_one_sided_turns_near_the_start(branch: str, distance: float) -> None:
-    """Almost a full circle to a point just beside the start on the other side."""
+    """One-sided turns near the start.
+
+    It is almost a full circle to a point just beside the start on the other side.
+    """
     sign = -1.0 if branch == "LS" else 1.0
     scenario = scenario_at(-0.9 * distance, sign * 0.4 * distance)
 
@@ -312,7 +355,10 @@ def test_one_sided_turns_near_the_start(branch: str, distance: float) -> None:
 
 @pytest.mark.parametrize("engine", ENGINES)
 def test_failing_engine_is_a_claim(engine: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Starts are given up one by one; nothing is raised."""
+    """A failing engine is a claim.
+
+    Starts are given up one by one; nothing is raised.
+    """
 
     def fail(*_: object) -> None:
         raise EngineError("numerical trouble")
@@ -328,8 +374,12 @@ def test_failing_engine_is_a_claim(engine: str, monkeypatch: pytest.MonkeyPatch)
 
 @pytest.mark.parametrize("engine", ENGINES)
 def test_compiled_qp_solves_what_cvxpy_solves(engine: str) -> None:
-    """Values written into the engine's arrays give the answer that cvxpy's own path gives."""
-    n, qp = 12, template(6, 2, True, engine)
+    """The compiled QP solves what cvxpy solves.
+
+    Values written into the engine's arrays give the answer that cvxpy's own path gives.
+    """
+    n = 12
+    qp = template(6, 2, True, engine)
     random = np.random.default_rng(5)
     numbers = Numbers(
         G=random.normal(size=(2, n)) / n,
@@ -370,11 +420,14 @@ targets = st.one_of(
 )
 @settings(max_examples=40)
 def test_random_scenarios(target: tuple[float, float], exponent: float, n: int, engine: str):
-    """Every branch, target and radius: a path that arrives, in the right basin.
+    """Random scenarios are answered in the right basin.
+
+    Every branch, target and radius has a path that arrives.
 
     By the two engines that are expected never to fail.
     """
-    scenario, solver = scenario_at(*target, radius=10.0**exponent), TurnRateQp(n=n, engine=engine)
+    scenario = scenario_at(*target, radius=10.0**exponent)
+    solver = TurnRateQp(n=n, engine=engine)
     # nearer than the miss that is allowed, one may stand for the other side or for staying; beside
     # the axis ahead, straight on stands for the turn to the other side, which takes a full circle
     assume(margin(scenario) > 1e-8 and math.hypot(*target) > 1e-8)

@@ -1,4 +1,6 @@
-"""What the transcriptions share: where a search begins, what each subproblem cost, the claim.
+"""Shared parts of the transcriptions.
+
+They are where a search begins, what each subproblem cost, and the claim.
 
 The equations of multiple shooting beside an ODE integrator, and its engines.
 """
@@ -33,7 +35,10 @@ PLACE = EDGES["many turns of heading"]
 @pytest.mark.many(2)
 @pytest.mark.parametrize("spec", [*TRANSCRIPTIONS, "turn-rate-qp"])
 def test_efforts_add_up(spec):
-    """All words are named; the runs' evaluations sum to the whole; one of them is the answer's."""
+    """Efforts add up.
+
+    All words are named; the runs' evaluations sum to the whole; one of them is the answer's.
+    """
     answer = solve(PAPER["problem 2"], spec)
 
     assert set(answer.subproblems.split()) == {"LS", "RS", "LR", "RL"}
@@ -46,7 +51,10 @@ def test_efforts_add_up(spec):
 @pytest.mark.many(1)
 @pytest.mark.parametrize("spec", [*TRANSCRIPTIONS, "turn-rate-qp"])
 def test_a_warm_path_is_a_subproblem_of_its_own(spec):
-    """It goes first, and the row says warm; from its own answer an engine has little left to do."""
+    """A warm path is a subproblem of its own.
+
+    It goes first, and the row says warm; from its own answer an engine has little left to do.
+    """
     cold = solve(PAPER["problem 2"], spec)
 
     answer = solve(PAPER["problem 2"], spec, initial_guess=cold.path)
@@ -67,7 +75,10 @@ NUMBERS = st.floats(0, 4) | st.sampled_from([1e-12, 1e6])
     via=st.sampled_from([(), ((4.0, 1.0),)]),
 )
 def test_any_path_is_a_guess(arcs, spec, via):
-    """Of no arcs, of no length, of another radius, or long: nothing is raised."""
+    """Any path is a guess.
+
+    It may be of no arcs, of no length, of another radius, or long: nothing is raised.
+    """
     guess = Path(Pose(0, 0, 0), [rate for rate, _ in arcs], [length for _, length in arcs])
     scenario = Scenario(target_x=8.0, target_y=0.0, via=via)
 
@@ -100,7 +111,10 @@ WARM = {
 @pytest.mark.parametrize("spec", WARM)
 @pytest.mark.parametrize("arcs", UNDRIVABLE)
 def test_a_path_that_nobody_can_drive_is_no_guess(arcs, spec):
-    """In a run a solver begins cold; `solve` says what was expected."""
+    """A path that cannot be driven is no guess.
+
+    In a run a solver begins cold; `solve` says what was expected.
+    """
     guess = Path(Pose(0, 0, 0), *UNDRIVABLE[arcs])
     cold, warm = (
         attempt(load(spec), Question(WARM[spec], initial_guess=given), 5.0)
@@ -122,7 +136,9 @@ def test_a_guess_is_refused_where_none_is_used():
 @pytest.mark.parametrize("spec", ["collocation[", "multiple-shooting[", "turn-rates[n=20,"])
 @pytest.mark.parametrize(("guess", "runs"), [("zero", 1), ("random,count=3,seed=5", 3)])
 def test_from_nothing(spec, guess, runs):
-    """Zero is one run of no word, random as many as asked for; judged as any other.
+    """Guesses from nothing.
+
+    Zero is one run of no word, random as many as asked for; judged as any other.
 
     Problem 3 is solved from there by all of them (the path turns to the target's side).
     """
@@ -134,8 +150,12 @@ def test_from_nothing(spec, guess, runs):
 
 
 def test_given_guesses_are_the_only_ones():
-    """Kind `given` tries the path alone; without one it is `bearing`."""
-    path, spec = solve(PLACE, "analytic").path, "multiple-shooting[initial_guess=given]"
+    """Given guesses are the only ones.
+
+    Kind `given` tries the path alone; without one it is `bearing`.
+    """
+    path = solve(PLACE, "analytic").path
+    spec = "multiple-shooting[initial_guess=given]"
 
     assert solve(PLACE, spec, initial_guess=path).subproblems == "warm"
     assert set(solve(PLACE, spec).subproblems.split()) == {"LS", "RS", "LR", "RL"}
@@ -152,7 +172,11 @@ def test_given_guesses_are_the_only_ones():
     ],
 )
 def test_a_miss_is_no_solution_and_infeasible_only_if_all_runs_say_so(claims, branch, expected):
-    """Whatever the engine says of straights that a correction cannot bring to the target."""
+    """A miss is no solution.
+
+    The word is infeasible only if all runs say so, whatever the engine says of straights that a
+    correction cannot bring to the target.
+    """
     solver = MultipleShooting()
     model = solver.build(Question(PLACE, branch))
     answers = iter(claims * 20)
@@ -197,7 +221,8 @@ def test_equations_are_the_gaps_between_driven_segments(n, seed, equal):
 
     gaps = program.functions(target).equations(x)
 
-    length, turn = left + right + straight, left - right
+    length = left + right + straight
+    turn = left - right
     ends = np.array([arc_end(*state) for state in zip(starts, turn, length, strict=True)])
     expected = []
     for k in range(n):
@@ -210,7 +235,10 @@ def test_equations_are_the_gaps_between_driven_segments(n, seed, equal):
 
 
 def arc_end(pose, turn, length):
-    """The pose at the end of an arc, by an adaptive integrator."""
+    """The pose at the end of an arc.
+
+    An adaptive integrator computes it.
+    """
     return integrated(Path(Pose(*pose), [turn / length], [length]))
 
 
@@ -222,7 +250,10 @@ ENGINE_LIMIT_S = 3.0  # the others take a few hundredths
 
 @pytest.mark.parametrize("engine", engine_params(name for name in NLP_ENGINES if name != "sleqp"))
 def test_every_engine_of_the_table(engine):
-    """A solution of problem 1, or at least no false claim; a missing engine has a reason."""
+    """Every engine of the table.
+
+    It has a solution of problem 1, or at least no false claim; a missing engine has a reason.
+    """
     solver = MultipleShooting(n=3, engine=engine, max_iter=100)
     if (reason := solver.unavailable()) is not None:
         assert reason.strip()

@@ -1,4 +1,7 @@
-"""Whether a point is stationary for the violation, beside geometry and a minimiser."""
+"""Stationary points of the violation.
+
+They are compared with geometry and a minimiser.
+"""
 
 import math
 from dataclasses import replace
@@ -16,14 +19,21 @@ from dubins_study.study.scenario import Scenario
 
 
 def ls_program(x: float, y: float):
-    """LS to a target: its unknowns are the arc and the straight."""
+    """LS to a target as a program.
+
+    Its unknowns are the arc and the straight.
+    """
     target: Local = local(Scenario(0, 0, 0, x, y, 1))
     return program(case_of("LS", target))
 
 
 @pytest.mark.parametrize("polar", [(0.3, 1.0), (0.8, -2.0), (0.5, 3.0)])
 def test_the_point_of_the_circle_nearest_to_a_target_inside_is_stationary(polar):
-    """LS reaches no point inside its circle; the nearest that it comes is the foot on the rim."""
+    """The nearest point of the circle is stationary.
+
+    The target lies inside, which LS does not reach; the nearest that it comes is the foot on the
+    rim.
+    """
     r, at = polar
     posed = ls_program(r * math.cos(at), 1 + r * math.sin(at))
     foot = np.array([(at + math.pi / 2) % (2 * math.pi), 0.0])
@@ -34,7 +44,10 @@ def test_the_point_of_the_circle_nearest_to_a_target_inside_is_stationary(polar)
 
 
 def test_no_minimiser_of_either_norm_leaves_a_stationary_point():
-    """SciPy's minimisers of both norms end at points whose slope is small, from anywhere."""
+    """Minimisers of either norm end at stationary points.
+
+    SciPy's minimisers of both norms end at points whose slope is small, from anywhere.
+    """
     posed = ls_program(0.2, 1.3)
     g = posed.functions.equations
     rng = np.random.default_rng(1)
@@ -61,11 +74,15 @@ def test_no_point_has_no_slope():
 
 
 def linear(rows: list[list[float]], offset: list[float]):
-    """The program of the equations rows x + offset, its variables in [-2, 2]."""
+    """A program of the equations rows x + offset.
+
+    Its variables are in [-2, 2].
+    """
     import casadi
 
     A = np.array(rows)
-    x, p = casadi.SX.sym("x", A.shape[1]), casadi.SX.sym("p", 0)
+    x = casadi.SX.sym("x", A.shape[1])
+    p = casadi.SX.sym("p", 0)
     source = Expressions(x, p, casadi.sum1(x), casadi.mtimes(casadi.DM(A), x) + casadi.DM(offset))
     ends = np.full(A.shape[1], 2.0)
     return Program(source, np.zeros(0), -ends, ends)
@@ -75,14 +92,20 @@ def linear(rows: list[list[float]], offset: list[float]):
     ("rows", "offset"), [([[1.0]], [-1e-5]), ([[1e4, 0.0], [0.0, 1.0]], [0.0, -1.0])]
 )
 def test_what_one_step_mends_is_not_stationary(rows, offset):
-    """However near it is to feasible, and however the equations are scaled."""
+    """A point that one step mends is not stationary.
+
+    That holds however near it is to feasible, and however the equations are scaled.
+    """
     program = linear(rows, offset)
 
     assert violation_slope(program, np.zeros(len(rows[0]))) == pytest.approx(1.0)
 
 
 def test_a_row_may_have_one_end():
-    """x <= 1 is met at 0, so that x = -3, beyond the bounds, is what is left."""
+    """A row may have one end.
+
+    x <= 1 is met at 0, so that x = -3, beyond the bounds, is what is left.
+    """
     both = linear([[1.0], [1.0]], [0.0, 0.0])
     ends = (np.array([-np.inf, -3.0]), np.array([1.0, -3.0]))
 
@@ -91,5 +114,8 @@ def test_a_row_may_have_one_end():
 
 
 def test_two_equations_that_contradict_each_other_are_stationary():
-    """x = 1 and x = -1: at 0 no step lowers the sum or the length of both violations."""
+    """Two contradicting equations are stationary.
+
+    x = 1 and x = -1: at 0 no step lowers the sum or the length of both violations.
+    """
     assert violation_slope(linear([[1.0], [1.0]], [-1.0, 1.0]), np.zeros(1)) < 1e-9

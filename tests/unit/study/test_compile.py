@@ -1,4 +1,7 @@
-"""What a loop's cache is keyed by: the sources that it can depend on, and no others."""
+"""Keys of a loop's cache.
+
+They are the sources that it can depend on, and no others.
+"""
 
 import sys
 from pathlib import Path
@@ -15,7 +18,10 @@ PACKAGE = Path(kernel_compile.__file__).parents[2]
 
 
 def test_an_edit_outside_the_problem_compiles_nothing_anew():
-    """What is compiled, and what it calls, lies in the sources of the key; the report does not."""
+    """An edit outside the problem compiles nothing.
+
+    The compiled loops and what they call lie in the sources of the key; the report does not.
+    """
     modules = [name for name in sys.modules if name.startswith("dubins_study.")]
     dispatchers = [
         value
@@ -35,7 +41,10 @@ def test_an_edit_outside_the_problem_compiles_nothing_anew():
 @pytest.mark.parametrize("n", [0, 1, SMALL - 1, SMALL, SMALL + 1, 7 * PIECE * PIECES + 5])
 @pytest.mark.parametrize("threads", [1, 2, 3])
 def test_every_row_is_done_once(n, threads, monkeypatch):
-    """Pieces begin at multiples of `PIECE`, and an error in one is the caller's."""
+    """Every row is done once.
+
+    Pieces begin at multiples of `PIECE`, and an error in one is the caller's.
+    """
     monkeypatch.setattr(kernel_compile.numba.config, "NUMBA_NUM_THREADS", threads)
     monkeypatch.setattr(kernel_compile, "compiled", lambda function: function)
     pieces = []

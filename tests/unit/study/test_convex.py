@@ -1,4 +1,7 @@
-"""Frozen convex problems: files, residuals, and proven bounds beside optima known otherwise."""
+"""Frozen convex problems and their proven bounds.
+
+Tested are files, residuals, and bounds beside optima known otherwise.
+"""
 
 from dataclasses import replace
 
@@ -31,7 +34,10 @@ EMPTY = np.zeros(0)
 
 
 def disc(radius: float) -> Problem:
-    """Minimise x + y over a disc around 0: -radius sqrt(2), at equal coordinates."""
+    """Minimise x + y over a disc around 0.
+
+    The optimum is -radius sqrt(2), at equal coordinates.
+    """
     d = np.array([radius, 0.0, 0.0])
     C = csr_array(np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]))
     ends = np.full(2, 3.0 * radius)
@@ -42,8 +48,12 @@ def disc(radius: float) -> Problem:
 
 
 def test_bounds_enclose_an_optimum_known_by_hand():
-    """Minimising x + y over a disc of radius 2 gives -2 sqrt(2)."""
-    problem, optimum = disc(2.0), -2 * np.sqrt(2)
+    """Bounds enclose an optimum known by hand.
+
+    Minimising x + y over a disc of radius 2 gives -2 sqrt(2).
+    """
+    problem = disc(2.0)
+    optimum = -2 * np.sqrt(2)
     side = 1 / np.sqrt(2)
     best = Point(np.full(2, -2 * side), EMPTY, np.zeros(2), np.array([np.sqrt(2), 1.0, 1.0]))
 
@@ -55,10 +65,15 @@ def test_bounds_enclose_an_optimum_known_by_hand():
 
 
 def test_bounds_hold_for_any_point():
-    """However wrong a point is, its bounds stay on their sides of the optimum."""
-    problem, random = disc(2.0), np.random.default_rng(5)
+    """Bounds hold for any point.
+
+    However wrong a point is, its bounds stay on their sides of the optimum.
+    """
+    problem = disc(2.0)
+    random = np.random.default_rng(5)
     for size in (1e-8, 1e-3, 1.0, 1e3):
-        x, w = size * random.normal(size=2), size * random.normal(size=3)
+        x = size * random.normal(size=2)
+        w = size * random.normal(size=3)
         assert upper_bound(problem, x - np.sqrt(2)) >= -2 * np.sqrt(2) - 1e-15
         assert lower_bound(problem, Point(x, EMPTY, EMPTY, w)) <= -2 * np.sqrt(2) + 1e-15
 
@@ -68,14 +83,20 @@ def test_bounds_hold_for_any_point():
     [name if name in SAMPLE else pytest.param(name, marks=pytest.mark.slow) for name in listed()],
 )
 def test_reference_is_closed(name):
-    """Every packaged problem comes with a proof of its optimum to 1e-9."""
+    """Reference intervals are closed.
+
+    Every packaged problem comes with a proof of its optimum to 1e-9.
+    """
     low, high = reference(name)
 
     assert 0 <= high - low <= 1e-9
 
 
 def test_every_size_and_family_has_problems():
-    """Some hundred problems; a small one has a tenth of the variables of the next size."""
+    """Every size and family has problems.
+
+    There are some hundred; a small one has a tenth of the variables of the next size.
+    """
     parts = [name.split("-")[:2] for name in listed() if name != "trivial"]
 
     assert len(parts) == 100
@@ -84,8 +105,12 @@ def test_every_size_and_family_has_problems():
 
 
 def test_an_equation_is_closed_by_its_own_variable():
-    """Of x = 1/3 over y + x with x in [0, 1] the proof takes x for what closes it, not a float."""
-    A, none = csr_array(np.array([[3.0, -1.0]])), csr_array((0, 2))
+    """An equation is closed by its own variable.
+
+    Of x = 1/3 over y + x with x in [0, 1] the proof takes x for what closes it, not a float.
+    """
+    A = csr_array(np.array([[3.0, -1.0]]))
+    none = csr_array((0, 2))
     problem = Problem(
         p=np.zeros(2), q=np.array([1.0, 0.0]), A=A, l=np.array([0.1]), u=np.array([0.1]),
         lb=np.zeros(2), ub=np.ones(2), C=none, d=EMPTY, cones=np.zeros(0, dtype=int),
@@ -100,7 +125,10 @@ def test_an_equation_is_closed_by_its_own_variable():
 
 @pytest.mark.parametrize("name", SAMPLE[:2])
 def test_feasible_value_agrees_with_another_engine(name):
-    """Without its quadratic term a QP is an LP, which HiGHS solves by way of SciPy."""
+    """The feasible value agrees with another engine.
+
+    Without its quadratic term a QP is an LP, which HiGHS solves by way of SciPy.
+    """
     problem = read(name)
     flat = replace(problem, p=np.zeros_like(problem.p))
     rows = ~problem.equal
@@ -110,7 +138,8 @@ def test_feasible_value_agrees_with_another_engine(name):
         bounds=np.column_stack((flat.lb, flat.ub)),
     )  # fmt: skip
     y = np.zeros(flat.l.size)
-    y[rows], y[~rows] = -solved.ineqlin.marginals, -solved.eqlin.marginals
+    y[rows] = -solved.ineqlin.marginals
+    y[~rows] = -solved.eqlin.marginals
 
     # HiGHS keeps rows and reduced costs to 1e-7
     low = lower_bound(flat, Point(solved.x, y, EMPTY, EMPTY))
@@ -120,9 +149,13 @@ def test_feasible_value_agrees_with_another_engine(name):
 
 @pytest.mark.parametrize("name", [name for name in SAMPLE if "-50-" in name])
 def test_verdicts(name):
-    """The witness is optimal; the same point moved is longer, or misses."""
+    """Verdicts on a witness and a moved point.
+
+    The witness is optimal; the same point moved is longer, or misses.
+    """
     problem = read(name)
-    numbers, tolerance = np.concatenate(problem.witness), 1e-6
+    numbers = np.concatenate(problem.witness)
+    tolerance = 1e-6
     steps = {Verdict.OPTIMAL: 0.0, Verdict.LONGER: 0.5}
     for verdict, step in steps.items():
         moved = numbers.copy()
@@ -140,8 +173,12 @@ def test_verdicts(name):
 
 
 def test_a_file_comes_back_as_it_was_written(tmp_path):
-    """Writing and reading keeps every number, and the same problem gives the same bytes."""
-    problem, file = disc(1.5), tmp_path / "disc.npz"
+    """A file comes back as it was written.
+
+    Writing and reading keeps every number, and the same problem gives the same bytes.
+    """
+    problem = disc(1.5)
+    file = tmp_path / "disc.npz"
     digest = write(problem, file)
     back = parse(file.read_bytes(), "disc")
 
@@ -151,7 +188,10 @@ def test_a_file_comes_back_as_it_was_written(tmp_path):
 
 
 def test_what_is_no_problem_is_refused(tmp_path):
-    """Files of other content, and unknown names, are refused by name."""
+    """Files of other content are refused.
+
+    So are unknown names; both are refused by name.
+    """
     np.savez(tmp_path / "other.npz", p=np.ones(2))
     with pytest.raises(ProblemError, match="other"):
         parse((tmp_path / "other.npz").read_bytes(), "other")

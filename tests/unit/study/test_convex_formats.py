@@ -1,4 +1,7 @@
-"""Convex problems as QPS and CBF, read back by programs that share nothing with the writer."""
+"""Convex problems as QPS and CBF.
+
+Programs that share nothing with the writer read them back.
+"""
 
 import highspy
 import numpy as np
@@ -14,8 +17,12 @@ cp = pytest.importorskip("cvxpy")
 
 @pytest.mark.parametrize("name", ["qp-50-random-6-0", "qp-50-survey-3-3"])
 def test_highs_reads_a_qps_file(name, tmp_path):
-    """HiGHS reads the numbers of the problem, and its optimum lies in the proven interval."""
-    problem, file = read(name), tmp_path / "problem.mps"
+    """HiGHS reads a QPS file.
+
+    It reads the numbers of the problem, and its optimum lies in the proven interval.
+    """
+    problem = read(name)
+    file = tmp_path / "problem.mps"
     file.write_text(qps_text(problem, name))
     solver = highspy.Highs()
     solver.setOptionValue("output_flag", False)
@@ -37,13 +44,19 @@ def test_highs_reads_a_qps_file(name, tmp_path):
 
 
 def test_a_problem_with_cones_has_no_qps():
-    """The refusal names the problem and the format that can say it."""
+    """A problem with cones has no QPS.
+
+    The refusal names the problem and the format that can say it.
+    """
     with pytest.raises(ProblemError, match=r"time-50-survey-6 has cones.*CBF"):
         qps_text(read("time-50-survey-6"), "time-50-survey-6")
 
 
 def cbf_optimum(text):
-    """The least value of a CBF file's objective, by cvxpy: a reader for these sections only."""
+    """Least value of a CBF file, by cvxpy.
+
+    The reader knows these sections only.
+    """
     blocks = dict(block.split("\n", 1) for block in text.strip().split("\n\n"))
 
     def table(name):
@@ -55,7 +68,8 @@ def cbf_optimum(text):
     assert (blocks["VER"].strip(), blocks["OBJSENSE"].strip()) == ("3", "MIN")
     assert free == ["F", str(n)]
     m, cones = table("CON")
-    cost, b = np.zeros(n), np.zeros(m)
+    cost = np.zeros(n)
+    b = np.zeros(m)
     for place, value in table("OBJACOORD")[1]:
         cost[int(place)] = float(value)
     for place, value in table("BCOORD")[1]:
@@ -85,7 +99,10 @@ def cbf_optimum(text):
     "name", ["qp-50-random-6-0", "tube-50-cluster-9-38", "time-50-survey-6", "trivial"]
 )
 def test_a_cbf_file_has_the_proven_optimum(name):
-    """What a reader of its own makes of the file is solved to the proven interval."""
+    """A CBF file has the proven optimum.
+
+    What a reader of its own makes of the file is solved to the proven interval.
+    """
     low, high = reference(name)
 
     assert low - 1e-6 <= cbf_optimum(cbf_text(read(name))) <= high + 1e-6

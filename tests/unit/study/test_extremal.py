@@ -1,4 +1,6 @@
-"""Pontryagin's conditions and the cut, against an ODE integrator, and the closed form.
+"""Pontryagin's conditions and the cut.
+
+They are compared with an ODE integrator, and the closed form.
 
 The functions for two arcs against the general code for any number of arcs; costates of routes and
 of final headings against differences of the lengths of legs.
@@ -42,7 +44,9 @@ def cut_margin(path, radius=1.0):
 
 
 def driven(path: Path, nu, nu0: float, radius: float):
-    """Pontryagin's system (2.3)-(2.9) integrated backwards from the end with nu3 = 0 there.
+    """Pontryagin's system (2.3)-(2.9), integrated backwards.
+
+    It begins at the end with nu3 = 0 there.
 
     Returns max |H|, and the least -u nu3 over turns, by an ODE integrator at 1e-12: no code is
     shared with `study.check.extremal`.
@@ -61,7 +65,8 @@ def driven(path: Path, nu, nu0: float, radius: float):
         flow = solve_ivp(
             field, (length, 0), state, rtol=1e-12, atol=1e-12, t_eval=np.linspace(length, 0, 50)
         )
-        theta, nu3 = flow.y[2], flow.y[3]
+        theta = flow.y[2]
+        nu3 = flow.y[3]
         H = nu0 + nu[0] * np.cos(theta) + nu[1] * np.sin(theta) + nu3 * u
         largest = max(largest, float(np.abs(H).max()))
         if u != 0:
@@ -72,44 +77,53 @@ def driven(path: Path, nu, nu0: float, radius: float):
 
 @pytest.mark.parametrize("name", PAPER | EDGES)
 def test_costates_against_an_ode_integrator(name):
-    """With the costates found, the integrated Hamiltonian is zero and every turn has its sign."""
+    """Costates agree with an ODE integrator.
+
+    With the costates found, the integrated Hamiltonian is zero and every turn has its sign.
+    """
     scenario = (PAPER | EDGES)[name]
     path = shortest_path(scenario)
     if path is None or not path.lengths.size:
         pytest.skip("nothing to drive")
-    found = certified(path, scenario.radius)
-    H, margin = driven(path, found.nu, 0.0 if found.abnormal else 1.0, scenario.radius)
+    certificate = certified(path, scenario.radius)
+    H, margin = driven(path, certificate.nu, 0.0 if certificate.abnormal else 1.0, scenario.radius)
 
     # the integrator's 1e-12 grows with the length in radii, and with the costates' size
-    allowed = 1e-9 * (1 + path.length / scenario.radius) * max(1, math.hypot(*found.nu))
-    assert found.pmp_residual <= ROUNDING
+    allowed = 1e-9 * (1 + path.length / scenario.radius) * max(1, math.hypot(*certificate.nu))
+    assert certificate.pmp_residual <= ROUNDING
     assert allowed >= H
     assert margin >= -allowed
 
 
 @given(ARCS, ARCS, st.sampled_from([1, -1]), st.floats(-4, 4))
 def test_two_arcs_are_extremal_iff_theory_says_so(first, second, side, heading):
-    """docs/derivation.md, section 9, CC: extremal iff pi < a2 < 2 pi and a1 <= a2."""
+    """Two arcs are extremal iff theory says so.
+
+    docs/derivation.md, section 9, CC: extremal iff pi < a2 < 2 pi and a1 <= a2.
+    """
     assume(min(abs(second - math.pi), abs(first - second)) > 1e-4)
     path = Path(Pose(0, 0, heading), [side, -side], [first, second])
-    found = certified(path)
+    certificate = certified(path)
 
     is_extremal = math.pi < second and first <= second
-    assert (found.pmp_residual <= ROUNDING) == is_extremal
+    assert (certificate.pmp_residual <= ROUNDING) == is_extremal
     if is_extremal:
         rho = -1 / math.cos(second / 2)
         phi = heading + side * first - side * second / 2
         expected = (rho * math.cos(phi), rho * math.sin(phi))
-        assert found.nu == pytest.approx(expected, rel=1e-6)
+        assert certificate.nu == pytest.approx(expected, rel=1e-6)
 
 
 def test_a_second_arc_of_half_a_turn_is_abnormal():
-    """a2 = pi: rho = -nu0 / cos(a2 / 2) has no bound, nu0 = 0."""
-    found = certified(Path(Pose(0, 0, 0), [-1, 1], [0.3, math.pi]))
+    """A second arc of half a turn is abnormal.
 
-    assert found.abnormal
-    assert math.hypot(*found.nu) == pytest.approx(1)
-    assert found.hamiltonian <= ROUNDING
+    a2 = pi: rho = -nu0 / cos(a2 / 2) has no bound, nu0 = 0.
+    """
+    certificate = certified(Path(Pose(0, 0, 0), [-1, 1], [0.3, math.pi]))
+
+    assert certificate.abnormal
+    assert math.hypot(*certificate.nu) == pytest.approx(1)
+    assert certificate.hamiltonian <= ROUNDING
 
 
 @pytest.mark.parametrize(
@@ -126,7 +140,7 @@ def test_a_second_arc_of_half_a_turn_is_abnormal():
     ],
 )
 def test_what_is_no_extremal(curvature, length, least):
-    """Nor has it a cut."""
+    """Other paths have a residual and no cut."""
     path = Path(Pose(0, 0, 0.4), curvature, length)
 
     assert certified(path).pmp_residual > least
@@ -134,7 +148,10 @@ def test_what_is_no_extremal(curvature, length, least):
 
 
 def test_what_is_too_small_to_matter_is_passed_over():
-    """A solver's arcs of 1e-9 name no piece, and equal neighbours are one."""
+    """Negligible pieces are passed over.
+
+    A solver's arcs of 1e-9 name no piece, and equal neighbours are one.
+    """
     path = Path(Pose(0, 0, 0), [1, 1, -1, 0, 0], [0.5, 0.5, 1e-9, 3.0, 2.0])
     rates, lengths = pieces(path.curvatures.tolist(), path.lengths.tolist())
 
@@ -148,7 +165,10 @@ def test_a_path_of_no_length_has_no_costates():
 
 
 def test_a_nearly_straight_leg_is_a_leg():
-    """Found in review: 5 R at a rate of 5e-8 is no piece too small to matter."""
+    """A nearly straight leg is a leg.
+
+    Found in review: 5 R at a rate of 5e-8 is no piece too small to matter.
+    """
     bent = Path(Pose(0, 0, 0), [1, 5e-8], [4.5, 5])
     straight = Path(Pose(0, 0, 0), [1, 0], [4.5, 5])
 
@@ -168,7 +188,10 @@ def test_a_nearly_straight_leg_is_a_leg():
     ],
 )
 def test_numbers_that_overflow_are_not_measured(curvature, length, radius):
-    """Found by fuzzing: infinite conditions have no costates, and their factors raise."""
+    """Numbers that overflow are not measured.
+
+    Found by fuzzing: infinite conditions have no costates, and their factors raise.
+    """
     found, _ = measure(Path(Pose(0, 0, 0), curvature, length), radius)
 
     assert found is None
@@ -183,7 +206,9 @@ def test_numbers_that_overflow_are_not_measured(curvature, length, radius):
     st.floats(0.1, 50),
 )
 def test_costates_in_closed_form_are_the_null_vector(turns, first, second, off, heading, radius):
-    """Of S, C, CS and CC at full rate: the linear conditions, solved, have the same costates.
+    """Closed-form costates are the null vector.
+
+    Of S, C, CS and CC at full rate the linear conditions, solved, have the same costates.
 
     Two arcs that turn by less than half a turn at the end violate the conditions. The null vector
     spreads the violation over all of them, the closed form puts it into the sign of nu3: only that
@@ -211,7 +236,8 @@ def route(seed: int, shortest: float, free: bool) -> Scenario:
     """A random route of two to six legs."""
     rng = np.random.default_rng(seed)
     n = int(rng.integers(2, 7))
-    lengths, directions = rng.uniform(shortest, 4 * shortest, n), rng.uniform(-4, 4, n)
+    lengths = rng.uniform(shortest, 4 * shortest, n)
+    directions = rng.uniform(-4, 4, n)
     final = None if free else float(rng.uniform(-3, 3))
     start = (*rng.uniform(-5, 5, 2), rng.uniform(-3, 3))
     points = walked(lengths, directions)[1:] + start[:2]
@@ -219,12 +245,18 @@ def route(seed: int, shortest: float, free: bool) -> Scenario:
 
 
 def length(*leg: float) -> float:
-    """Of a leg in x, y and both headings."""
+    """Length of a leg.
+
+    It is a function of x, y and both headings.
+    """
     return pose_shortest(*leg, 1e-15)[0]
 
 
 def slope(leg: tuple[float, ...], place: int) -> float:
-    """The derivative of a leg's length by one of its four numbers."""
+    """Derivative of a leg's length.
+
+    It is by one of the leg's four numbers.
+    """
     more, less = list(leg), list(leg)
     more[place] += STEP
     less[place] -= STEP
@@ -239,7 +271,10 @@ def legs_of(scenario: Scenario, headings) -> list[tuple[float, ...]]:
 @pytest.mark.parametrize("free", [True, False])
 @pytest.mark.parametrize("seed", range(8))
 def test_costates_are_derivatives_of_lengths(seed, free):
-    """nu3 is what a turned heading costs the leg before, or saves the leg after: by differences."""
+    """Costates are derivatives of lengths.
+
+    nu3 is what a turned heading costs the leg before, or saves the leg after: by differences.
+    """
     scenario = route(seed, 4.2, free)  # legs whose lengths are smooth
     found = shortest_route(scenario, 20.0)
     headings = found.path.at([0.0, *found.at, found.path.length])[:, 2]
@@ -263,7 +298,10 @@ def test_costates_are_derivatives_of_lengths(seed, free):
     "seed", [0, 1, *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(2, 10))]
 )
 def test_shortest_routes_of_short_legs_are_extremals(seed):
-    """Legs on a jump among them, of two arcs or one: lengths tell their headings to a root."""
+    """Shortest routes of short legs are extremals.
+
+    Legs on a jump are among them, of two arcs or one: lengths tell their headings to a root.
+    """
     scenario = route(seed, 0.7, seed % 2 == 0)
     found = shortest_route(scenario, 2.0)
     measured = route_extremal(found.path, found.at, 1.0, scenario.final_heading is None)
@@ -283,7 +321,10 @@ def test_shortest_routes_of_short_legs_are_extremals(seed):
 @pytest.mark.parametrize("off", [1e-2, 1e-4, 1e-6])
 @pytest.mark.parametrize("seed", range(4))
 def test_a_turned_heading_is_no_extremal(seed, off):
-    """The residual is as large as what turning one heading gains, but for a factor."""
+    """A turned heading is no extremal.
+
+    The residual is as large as what turning one heading gains, but for a factor.
+    """
     scenario = route(seed, 4.2, True)
     found = shortest_route(scenario, 20.0)
     headings = found.path.at([0.0, *found.at, found.path.length])[:, 2]
@@ -302,13 +343,16 @@ def test_a_turned_heading_is_no_extremal(seed, off):
     measured = route_extremal(path, tuple(at), 1.0, True)
 
     assert 1e-3 * jump < measured.pmp_residual < jump
-    judged = judge(scenario, path)
-    assert judged.verdict is not Verdict.MISSES
-    assert certify(scenario, path, judged).proof is not Proof.EXTREMAL or off < 1e-5
+    judgement = judge(scenario, path)
+    assert judgement.verdict is not Verdict.MISSES
+    assert certify(scenario, path, judgement).proof is not Proof.EXTREMAL or off < 1e-5
 
 
 def test_nu3_may_jump_at_a_point_on_the_turning_circle():
-    """An arc to the point, then right and straight: nu3 <= 0 before the point, and > 0 after it.
+    """nu3 may jump at a point on the circle.
+
+    It is the turning circle. An arc goes to the point, then right and straight: nu3 <= 0 before
+    the point, and > 0 after it.
 
     The arc's end heading is forced, and what follows is the shortest path from there.
     """
@@ -318,8 +362,8 @@ def test_nu3_may_jump_at_a_point_on_the_turning_circle():
     measured = route_extremal(path, (math.pi / 2,), 1.0, True)
 
     assert measured.pmp_residual < 1e-9
-    judged = judge(scenario, path, tolerances=Tolerances(search_s=1e-9))
-    assert certify(scenario, path, judged).proof in (Proof.EXTREMAL, Proof.PROVED)
+    judgement = judge(scenario, path, tolerances=Tolerances(search_s=1e-9))
+    assert certify(scenario, path, judgement).proof in (Proof.EXTREMAL, Proof.PROVED)
     backwards = Path(Pose(0, 0, 0), [0, 1, -1], [3.0, 1.0, math.pi / 2])
     reversed_in_time = route_extremal(backwards, (4.0,), 1.0, False)
     assert reversed_in_time.pmp_residual < 1e-9
@@ -332,7 +376,10 @@ def test_nu3_may_jump_at_a_point_on_the_turning_circle():
 @pytest.mark.parametrize("seed", range(30))
 @pytest.mark.parametrize("word", POSE_BRANCHES[1:])
 def test_costates_of_a_leg_with_a_final_heading(seed, word):
-    """(nu1, nu2) is what moving the end costs; the closed form is what the general code finds."""
+    """Costates of a leg with a final heading.
+
+    (nu1, nu2) is what moving the end costs; the closed form is what the general code finds.
+    """
     rng = np.random.default_rng(seed)
     end = Pose(*rng.uniform(-3, 3, 3))
     path = pose_path(Pose(0, 0, 1.0), end, 1.0, word)
@@ -359,7 +406,10 @@ def test_costates_of_a_leg_with_a_final_heading(seed, word):
 
 @pytest.mark.parametrize("radius", [1.0, 0.3])
 def test_a_middle_arc_of_half_a_turn_is_abnormal(radius):
-    """nu0 = 0, and the sign of (nu1, nu2) is that with which the arcs turn the right way."""
+    """A middle arc of half a turn is abnormal.
+
+    nu0 = 0, and the sign of (nu1, nu2) is that with which the arcs turn the right way.
+    """
     lengths = radius * np.array([0.24, math.pi, math.pi / 2])
     path = Path(Pose(0, 0, 0), np.array([1, -1, 1]) / radius, lengths)
     found, _ = measure(path, radius, free=False)
@@ -369,15 +419,18 @@ def test_a_middle_arc_of_half_a_turn_is_abnormal(radius):
 
 
 def test_a_local_optimum_of_a_leg_is_an_extremal():
-    """A word that is not the shortest, judged as an answer to the question for the best."""
+    """A leg's local optimum is an extremal.
+
+    It is a word that is not the shortest, judged as an answer to the question for the best.
+    """
     scenario = Scenario(heading="30deg", target_x=1, target_y=0.5, final_heading="90deg")
     end = Pose(1, 0.5, math.pi / 2)
     proofs = {}
     for word in POSE_BRANCHES[1:]:
         path = pose_path(scenario.start, end, 1.0, word)
         if path is not None:
-            judged = judge(scenario, path)
-            proofs[word] = judged.verdict, certify(scenario, path, judged).proof
+            judgement = judge(scenario, path)
+            proofs[word] = judgement.verdict, certify(scenario, path, judgement).proof
 
     assert (Verdict.OPTIMAL, Proof.PROVED) in proofs.values()
     assert proofs["LSL"] == (Verdict.LONGER, Proof.EXTREMAL)

@@ -1,4 +1,7 @@
-"""The table of kinds: each question is of one, and whoever needs to know asks the table."""
+"""The table of kinds.
+
+Each question is of one kind. Code that needs the kind asks the table.
+"""
 
 import ast
 from pathlib import Path
@@ -59,14 +62,17 @@ def test_examples_are_of_their_kind(kind):
 
 @pytest.mark.parametrize("kind", KINDS, ids=lambda kind: kind.name)
 def test_the_exact_answer_is_within_the_reference(kind):
-    """Closed forms and search beside ball arithmetic and the search's own bounds."""
+    """The exact answer is within the reference.
+
+    Closed forms and search stand beside ball arithmetic and the search's own bounds.
+    """
     for scenario in (OF_KIND[kind.name], *kind.examples.values()):
-        found = kind.exact(scenario, "best", 10.0)
+        answer = kind.exact(scenario, "best", 10.0)
         reference = reference_of(scenario)
 
-        assert found.low <= reference.enclosure.high
-        assert reference.enclosure.low <= found.high
-        assert reference.path.length == pytest.approx(found.path.length, rel=1e-9)
+        assert answer.low <= reference.enclosure.high
+        assert reference.enclosure.low <= answer.high
+        assert reference.path.length == pytest.approx(answer.path.length, rel=1e-9)
 
 
 def test_rows_of_a_frame_are_of_the_kinds_of_their_scenarios():
@@ -100,7 +106,7 @@ WHO_ASKS = {
 
 
 def _asks(node: ast.AST) -> bool:
-    """Whether an expression asks which kind of question it has."""
+    """Whether an expression asks for a question's kind."""
     text = ast.unparse(node)
     test = node.test if isinstance(node, ast.If | ast.IfExp | ast.While) else None
     if isinstance(node, ast.Compare):
@@ -112,15 +118,18 @@ def _asks(node: ast.AST) -> bool:
 
 
 def test_few_ask_for_the_kind_themselves():
-    """At most fifteen functions outside the table and the scenario, each with its reason."""
-    found = set()
+    """Few functions ask for the kind themselves.
+
+    At most fifteen do outside the table and the scenario, each with its reason.
+    """
+    functions = set()
     for file in PACKAGE.rglob("*.py"):
         name = str(file.relative_to(PACKAGE))
         if name.startswith("study/kinds/") or name == "study/scenario.py":
             continue
         for function in ast.walk(ast.parse(file.read_text())):
             if isinstance(function, ast.FunctionDef) and any(map(_asks, ast.walk(function))):
-                found.add(f"{name}:{function.name}")
+                functions.add(f"{name}:{function.name}")
 
-    assert found == set(WHO_ASKS)
-    assert len(found) <= 15
+    assert functions == set(WHO_ASKS)
+    assert len(functions) <= 15

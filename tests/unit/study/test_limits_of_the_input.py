@@ -1,4 +1,7 @@
-"""The edges of what a scenario may be: all that is accepted is judged, and nothing raises."""
+"""The edges of an admissible scenario.
+
+All that is accepted is judged, and nothing raises.
+"""
 
 import math
 
@@ -23,14 +26,17 @@ def test_beyond_the_largest_extent():
 
 @pytest.mark.slow
 def test_a_path_whose_end_no_scenario_may_have_is_judged():
-    """Found by fuzzing: the end of an answer may lie beyond the largest coordinate."""
+    """A path with an inadmissible end is judged.
+
+    Found by fuzzing: the end of an answer may lie beyond the largest coordinate.
+    """
     scenario = Scenario(0, 0, 0.5, -1e150, 1e149, 1e150)
     exact = solve(scenario)
     beyond = Path(scenario.start, exact.path.curvatures, exact.path.lengths * (1 - 1e-9))
     at_edge = Path(scenario.start, [0.0], [1.0])
     for path in (exact.path, beyond, at_edge):
-        found = judge(scenario, path, Claim.OPTIMAL)
-        assert found.verdict in (Verdict.OPTIMAL, Verdict.MISSES)
+        judgement = judge(scenario, path, Claim.OPTIMAL)
+        assert judgement.verdict in (Verdict.OPTIMAL, Verdict.MISSES)
     assert solve(scenario, "ipopt").verdict is Verdict.OPTIMAL
 
 
@@ -67,7 +73,10 @@ def extreme_scenarios(draw):
     st.booleans(),
 )
 def test_the_check_never_raises(scenario, pieces, in_radii, branch, bound, exact):
-    """Of any path, drivable or not, and any bound: a verdict and a certificate; a frame's too."""
+    """The check never raises.
+
+    Any path, drivable or not, and any bound have a verdict and a certificate; a frame's too.
+    """
     unit = scenario.radius if in_radii else 1.0
     with np.errstate(over="ignore", invalid="ignore"):
         curvature = np.array([k for k, _ in pieces]) / unit

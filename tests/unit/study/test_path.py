@@ -24,7 +24,9 @@ def path_of(pieces: list[tuple[float, float]]) -> Path:
 
 @given(arcs, st.integers(2, 50))
 def test_end_pose_is_what_an_ode_integrator_finds(pieces, n):
-    """The exact arcs agree with DOP853 at 1e-12, whose error over 40 lengths stays below 1e-9.
+    """The end pose is that of an ODE integrator.
+
+    The exact arcs agree with DOP853 at 1e-12, whose error over 40 lengths stays below 1e-9.
 
     Samples begin and end where the path does and are nowhere further apart than along it.
     """
@@ -39,7 +41,10 @@ def test_end_pose_is_what_an_ode_integrator_finds(pieces, n):
 
 @given(arcs, st.integers(2, 40))
 def test_a_path_cut_into_many_arcs_is_the_same(pieces, parts):
-    """Its poses at the old cuts are those of the few arcs, and all are what an integrator finds."""
+    """A path cut into many arcs is unchanged.
+
+    Its poses at the old cuts are those of the few arcs, and all are what an integrator finds.
+    """
     few = path_of(pieces)
     many = path_of([(k, length / parts) for k, length in pieces for _ in range(parts)])
 
@@ -50,7 +55,10 @@ def test_a_path_cut_into_many_arcs_is_the_same(pieces, parts):
 
 @pytest.mark.parametrize("count", [3, 60])
 def test_after_a_heading_that_is_not_finite_nothing_is(count):
-    """Of few arcs, which a loop drives, and of many."""
+    """After an infinite heading nothing is finite.
+
+    The heading may be NaN, too. The path has few arcs, which a loop drives, or many.
+    """
     curvatures = np.full(count, 0.5)
     curvatures[1] = math.inf
 
@@ -61,7 +69,10 @@ def test_after_a_heading_that_is_not_finite_nothing_is(count):
 
 
 def test_an_almost_straight_arc_keeps_its_digits():
-    """Curvature 1e-12 is a straight line to rounding; 1/k would lose four digits here."""
+    """An almost straight arc keeps its digits.
+
+    Curvature 1e-12 is a straight line to rounding; 1/k would lose four digits here.
+    """
     path = Path(Pose(0, 0, 0), [1e-12], [10.0])
 
     np.testing.assert_allclose(path.end, (10.0, 5e-11, 1e-11), rtol=1e-12)
@@ -69,7 +80,10 @@ def test_an_almost_straight_arc_keeps_its_digits():
 
 @given(arcs, st.floats(0.05, 3))
 def test_a_frame_of_samples(pieces, step):
-    """Every pose is where `at` has it, a step from the last; the curvature is that of its arc."""
+    """A frame of samples.
+
+    Every pose is where `at` has it, a step from the last; the curvature is that of its arc.
+    """
     path = path_of(pieces)
     frame = path.sample(step=step)
 
@@ -89,7 +103,10 @@ def test_a_frame_of_samples(pieces, step):
 
 
 def test_a_step_that_divides_the_path_adds_no_pose():
-    """Three tenths of a path of 0.3: rounding makes no fourth step."""
+    """A step that divides the path adds no pose.
+
+    Three tenths make a path of 0.3: rounding makes no fourth step.
+    """
     assert len(Path(Pose(0, 0, 0), [0.0], [0.1 + 0.2]).sample(step=0.1)) == 4
     assert len(Path(Pose(0, 0, 0), [0.0], [0.3]).sample(step=1e300)) == 2
     assert len(Path(Pose(0, 0, 0), [], []).sample(step=0.1)) == 1
@@ -97,7 +114,10 @@ def test_a_step_that_divides_the_path_adds_no_pose():
 
 @given(arcs, st.floats(1e-3, 1))
 def test_chords_of_geojson_are_near_their_arcs(pieces, share):
-    """No pose of the path is further from the line than the chord error; ends and length agree."""
+    """Chords of GeoJSON are near their arcs.
+
+    No pose of the path is further from the line than the chord error; ends and length agree.
+    """
     path = path_of(pieces)
     feature = json.loads(json.dumps(path.to_geojson(share, verdict="optimal"), allow_nan=False))
     line = np.array(feature["geometry"]["coordinates"]).reshape(-1, 2)
@@ -114,15 +134,19 @@ def test_chords_of_geojson_are_near_their_arcs(pieces, share):
 
 
 def _distance(point, line):
-    """From a point to a chain of segments."""
+    """Distance from a point to a chain of segments."""
     line = np.asarray(line)
-    begin, along = line[:-1], np.diff(line, axis=0)
+    begin = line[:-1]
+    along = np.diff(line, axis=0)
     share = np.sum((point - begin) * along, axis=1) / np.maximum(np.sum(along**2, axis=1), 1e-300)
     return np.hypot(*(begin + np.clip(share, 0, 1)[:, None] * along - point).T).min()
 
 
 def test_a_circle_has_as_few_chords_as_its_error_allows():
-    """Chords over the angle a are R (1 - cos(a / 2)) from their arc: 71 of a circle at R / 1000."""
+    """A circle has few chords for its error.
+
+    Chords over the angle a are R (1 - cos(a / 2)) from their arc: 71 of a circle at R / 1000.
+    """
     circle = Path(Pose(0, 0, 0), [0.5], [4 * math.pi])
 
     coordinates = circle.to_geojson()["geometry"]["coordinates"]
@@ -133,7 +157,8 @@ def test_a_circle_has_as_few_chords_as_its_error_allows():
 
 
 ARC = Path(Pose(0, 0, 0), [1], [1])
-STEPS, SHARES = (0, -1, math.nan, math.inf, 1e-9, None, "1", True), (0, -1, 1.5, math.nan)
+STEPS = (0, -1, math.nan, math.inf, 1e-9, None, "1", True)
+SHARES = (0, -1, 1.5, math.nan)
 
 
 @pytest.mark.parametrize(
@@ -173,7 +198,10 @@ def test_what_is_no_path_and_what_a_path_does_not_allow():
     ],
 )
 def test_words(pieces, word):
-    """The mirror image has L and R exchanged; scale and cuts change nothing."""
+    """Words of a path and its images.
+
+    The mirror image has L and R exchanged; scale and cuts change nothing.
+    """
     assert path_of(pieces).word() == word
     assert path_of([(-k, s) for k, s in pieces]).word() == word.translate(MIRRORED)
     assert path_of([(k / 9, s * 9) for k, s in pieces]).word() == word
@@ -181,8 +209,11 @@ def test_words(pieces, word):
 
 
 def test_an_origin_turns_metres_into_degrees():
-    """The length of the meridian from 45 to 46 degrees, by the usual series of WGS 84 at its middle
-    (111 132.954 - 559.822 cos 2 phi + 1.175 cos 4 phi); `Scenario.from_lonlat` undoes it."""
+    """An origin turns metres into degrees.
+
+    The length of the meridian from 45 to 46 degrees comes from the usual series of WGS 84 at its
+    middle (111 132.954 - 559.822 cos 2 phi + 1.175 cos 4 phi); `Scenario.from_lonlat` undoes it.
+    """
     path = Path(Pose(0, 0, math.pi / 2), [0.0], [111_141.55])
     (lon, lat), (end_lon, end_lat) = path.to_geojson(origin=(45, 8))["geometry"]["coordinates"]
 
@@ -209,7 +240,10 @@ def test_csv_is_the_sample(tmp_path):
 
 
 def test_a_notebook_shows_a_drawing():
-    """A half circle, as wide as its radius, begun at the bottom; y points up."""
+    """A notebook shows a drawing.
+
+    It is a half circle, as wide as its radius, begun at the bottom; y points up.
+    """
     path = Path(Pose(0, 0, 0), [1.0], [math.pi])
     tree = fromstring(path._repr_svg_())
     line = np.array([pair.split(",") for pair in tree[1].get("points").split()], float)
@@ -234,7 +268,10 @@ def test_an_outline_has_few_points_however_often_a_circle_is_driven(turn, parts)
 
 @given(arcs, arcs)
 def test_two_paths_in_one_are_driven_one_after_the_other(first, second):
-    """Times are lengths by the speed; the second begins where the first ends."""
+    """Two joined paths are driven in turn.
+
+    Times are lengths by the speed; the second begins where the first ends.
+    """
     one = path_of(first)
     other = path_of(second)
     moved = Path(one.end, other.curvatures, other.lengths)
@@ -249,7 +286,10 @@ def test_two_paths_in_one_are_driven_one_after_the_other(first, second):
 
 
 def test_paths_that_do_not_meet_are_not_joined():
-    """Full turns apart are the same heading; a millionth of a radius is near enough."""
+    """Paths that do not meet are not joined.
+
+    Full turns apart are the same heading; a millionth of a radius is near enough.
+    """
     one = Path((0.0, 0.0, 0.0), [0.5], [1.0])
     x, y, heading = one.end
     near = Path((x + 1e-6, y, heading + 2 * math.pi), [0.5], [1.0])

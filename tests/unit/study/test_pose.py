@@ -1,4 +1,7 @@
-"""One leg with a final heading: the six words against search, peers, symmetries and differences."""
+"""One leg with a final heading.
+
+The six words are compared with search, peers, symmetries and differences.
+"""
 
 import math
 
@@ -35,7 +38,10 @@ def arrays(n: int, seed: int = 0) -> list[np.ndarray]:
 
 
 def random_arrays(n: int, seed: int) -> list[np.ndarray]:
-    """n legs from the origin with R = 1, ends up to 30 radii away at every scale from 0.03."""
+    """n legs from the origin with R = 1.
+
+    Ends are up to 30 radii away at every scale from 0.03.
+    """
     rng = np.random.default_rng(seed)
     size = 10 ** rng.uniform(-1.5, 1.5, n)
     x, y = size * rng.uniform(-1, 1, (2, n))
@@ -44,11 +50,16 @@ def random_arrays(n: int, seed: int) -> list[np.ndarray]:
 
 
 def test_every_word_against_a_search():
-    """In 200 random legs: on a grid of the first arc, bisected."""
+    """Every word agrees with a search.
+
+    In 200 random legs it is on a grid of the first arc, bisected.
+    """
     rng = np.random.default_rng(3)
     for _ in range(200):
         size = rng.choice([1, 3, 8])
-        X, Y, heading = rng.uniform(-size, size), rng.uniform(-size, size), rng.uniform(-3, 3)
+        X = rng.uniform(-size, size)
+        Y = rng.uniform(-size, size)
+        heading = rng.uniform(-3, 3)
         expected = pose_words_by_search(X, Y, heading)
         for index, word in enumerate(WORDS6):
             total = sum(pose_segments(X, Y, 0.0, heading, index, 0.0))
@@ -58,7 +69,10 @@ def test_every_word_against_a_search():
 
 
 def test_paths_arrive():
-    """Driven by an integrator at 1e-12, every word of 40 hard legs ends at its pose."""
+    """Paths arrive.
+
+    Driven by an integrator at 1e-12, every word of 40 hard legs ends at its pose.
+    """
     for row in zip(*arrays(40, seed=4), strict=True):
         start, end, radius = poses_of(row)
         for word in WORDS6:
@@ -86,14 +100,16 @@ def test_paths_arrive():
     ],
 )
 def test_edges_known_in_advance(end, word, length):
-    """Straight, one arc, two arcs without S, equal points; of a tie the first word.
+    """Edges known in advance.
+
+    They are straight, one arc, two arcs without S, equal points; of a tie the first word.
 
     The last two are as long mirrored, which turns on the spot by 7 pi / 3.
     """
-    found = shortest_to_pose(START, Pose(*end), 1.0)
+    shortest = shortest_to_pose(START, Pose(*end), 1.0)
 
-    assert found.word == word
-    assert found.total == pytest.approx(length, abs=2e-15 * (1 + length))
+    assert shortest.word == word
+    assert shortest.total == pytest.approx(length, abs=2e-15 * (1 + length))
     if len(word) == 3:
         mirrored = word.translate(str.maketrans("LR", "RL"))
         assert shortest_to_pose(START, Pose(*end), 1.0, mirrored).total == pytest.approx(length)
@@ -102,17 +118,23 @@ def test_edges_known_in_advance(end, word, length):
 @pytest.mark.parametrize("moved", [0.0, 4e-16, -4e-16])
 @pytest.mark.parametrize("axis", range(3))
 def test_an_arc_that_rounding_hides_is_nothing(moved, axis):
-    """A target that was computed to be straight ahead, or on an arc, is reached without a turn."""
+    """An arc that rounding hides is nothing.
+
+    A target that was computed to be straight ahead, or on an arc, is reached without a turn.
+    """
     for end in ((3.0, 0.0, 0.0), (math.sin(0.3), 1 - math.cos(0.3), 0.3), (2.0, 2.0, 0.0)):
         exact = shortest_to_pose(START, Pose(*end), 1.0)
         shifted = list(end)
         shifted[axis] += moved
-        found = shortest_to_pose(START, Pose(*shifted), 1.0)
-        assert found.total == pytest.approx(exact.total, abs=1e-14)
+        shortest = shortest_to_pose(START, Pose(*shifted), 1.0)
+        assert shortest.total == pytest.approx(exact.total, abs=1e-14)
 
 
 def test_beyond_the_reach_of_a_word_there_is_none():
-    """LSR where the circles are less than 2 apart, LRL where they are more than 4: by 1e-12."""
+    """No word exists beyond its reach.
+
+    LSR where the circles are less than 2 apart, LRL where they are more than 4: by 1e-12.
+    """
     for sign in (-1, 1):
         x = math.sqrt(4 - 1)
         near = shortest_to_pose(START, Pose(x + sign * 1e-12, 3, 0), 1.0, "LSR")
@@ -123,7 +145,10 @@ def test_beyond_the_reach_of_a_word_there_is_none():
 
 
 def test_a_word_of_one_circle_is_one_arc():
-    """LRL from a circle to itself takes a full middle turn; LSL is the arc alone."""
+    """A word of one circle is one arc.
+
+    LRL from a circle to itself takes a full middle turn; LSL is the arc alone.
+    """
     end = Pose(math.sin(2), 1 - math.cos(2), 2)
 
     assert shortest_to_pose(START, end, 1.0, "LSL").segments == pytest.approx((0, 0, 2), abs=1e-15)
@@ -132,10 +157,14 @@ def test_a_word_of_one_circle_is_one_arc():
 
 @pytest.mark.parametrize("p", [0.0, 1e-16, 1e-15, 1.5e-13, 1e-9])
 def test_the_arcs_of_nearly_one_circle_add_up_to_the_turn(p):
-    """Of LSL and RSR with a straight so short that nobody knows where on the circle it is."""
+    """Arcs of nearly one circle sum to the turn.
+
+    They are of LSL and RSR with a straight so short that nobody knows where on the circle it is.
+    """
     for a, first, last in ((-1.744, 1.164, 0.474), (0.3, 4.0, 5.0), (2.0, 1e-3, 3.0)):
         for index, turn in ((0, 1), (1, -1)):
-            middle, b = a + turn * first, a + turn * (first + last)
+            middle = a + turn * first
+            b = a + turn * (first + last)
             x = turn * (math.sin(b) - math.sin(a)) + p * math.cos(middle)
             y = -turn * (math.cos(b) - math.cos(a)) + p * math.sin(middle)
             t, _, q = pose_segments(x, y, a, b, index, pose_delta(0.0, abs(x) + abs(y)))
@@ -145,7 +174,10 @@ def test_the_arcs_of_nearly_one_circle_add_up_to_the_turn(p):
 
 @pytest.mark.parametrize("branch", POSE_BRANCHES)
 def test_rows_are_the_scalar_form(branch):
-    """Of random and of hard legs the word, and the length to 20 EPS of it or of R."""
+    """Rows are the scalar form.
+
+    Of random and of hard legs they have the word, and the length to 20 EPS of it or of R.
+    """
     n, allowed = (3_000, 20 * EPS) if branch == "best" else (500, 1e-12)
     for columns in (random_arrays(n, seed=6), arrays(n, seed=6)):
         rows = pose_rows(*columns, branch=branch)
@@ -163,18 +195,23 @@ def test_rows_are_the_scalar_form(branch):
 
 
 def test_large_headings_keep_their_digits():
-    """Beside 1e8 whole turns' worth of heading, as doubles hold them."""
+    """Large headings keep their digits.
+
+    Beside 1e8 whole turns' worth of heading, they are as doubles hold them.
+    """
     for turns in (1e3, 1e8):
         start, end = Pose(0, 0, 1 + turns), Pose(2, 3, 2 + turns)
-        found = enclose_pose(start, end, 1.0)
+        enclosure = enclose_pose(start, end, 1.0)
         columns = ([0.0], [0.0], [start.heading], [2.0], [3.0], [1.0], [end.heading])
         for length in (shortest_to_pose(start, end, 1.0).total, pose_rows(*columns).length[0]):
-            assert found.holds(length, 0.0)
+            assert enclosure.holds(length, 0.0)
 
 
 @pytest.mark.slow
 def test_a_million_random_legs_against_a_peer():
-    """To 1e-12 of the length or of R. Where they differ, balls say that OMPL is wrong.
+    """A million random legs agree with a peer.
+
+    They agree to 1e-12 of the length or of R. Where they differ, balls say that OMPL is wrong.
 
     It takes arcs below 1e-6 for nothing, and is then off by up to 1e-6.
     """
@@ -196,9 +233,9 @@ def test_a_million_random_legs_against_a_peer():
 
     assert other.size <= 20
     for i in other:
-        found = enclose_pose(*poses_of(tuple(column[i] for column in columns)))
-        assert found.holds(ours[i], 0.0)
-        assert not found.holds(theirs[i], 0.0)
+        enclosure = enclose_pose(*poses_of(tuple(column[i] for column in columns)))
+        assert enclosure.holds(ours[i], 0.0)
+        assert not enclosure.holds(theirs[i], 0.0)
         assert abs(theirs[i] - ours[i]) < 2e-6
 
 

@@ -1,4 +1,7 @@
-"""The certified search: its paths, printed routes, limits. `tests/adversary` attacks its bounds."""
+"""The certified search: paths, printed routes, limits.
+
+`tests/adversary` attacks its bounds.
+"""
 
 import math
 
@@ -14,12 +17,16 @@ LIMIT = 60.0  # s; every route here closes long before on a machine of its own
 
 def random_route(seed, legs, least, most):
     rng = np.random.default_rng(seed)
-    direction, length = rng.uniform(-math.pi, math.pi, legs), rng.uniform(least, most, legs)
+    direction = rng.uniform(-math.pi, math.pi, legs)
+    length = rng.uniform(least, most, legs)
     return walked(length, direction)
 
 
 def leg_ends(route, points):
-    """Where each leg of a route ends that begins at its point with its heading."""
+    """Ends of a route's legs.
+
+    A leg begins at its point with its heading.
+    """
     ends = [(*point, heading) for point, heading in zip(points, route.headings, strict=True)][:-1]
     for i, (word, lengths) in enumerate(zip(route.words, route.segments, strict=True)):
         for letter, length in zip(word, lengths, strict=True):
@@ -30,7 +37,10 @@ def leg_ends(route, points):
 @pytest.mark.parametrize(("least", "most"), [(0.2, 1.5), (0.5, 4.0), (4.0, 12.0)])
 @pytest.mark.parametrize("last", [None, 1.0])
 def test_a_route_arrives_and_its_length_is_in_its_interval(least, most, last):
-    """Each leg, driven from its point with its heading, ends at the next one with its own."""
+    """A route arrives, and its interval has its length.
+
+    Each leg, driven from its point with its heading, ends at the next one with its own.
+    """
     for seed in range(3):
         points = random_route(seed, 4, least, most)
 
@@ -71,7 +81,10 @@ PRINTED = {
 
 @pytest.mark.parametrize("example", PRINTED)
 def test_published_examples_are_enclosed(example):
-    """Three printed lengths are optimal to thirteen digits; the fourth is 1.5e-8 too long."""
+    """Published examples are enclosed.
+
+    Three printed lengths are optimal to thirteen digits; the fourth is 1.5e-8 too long.
+    """
     curvature, text, first, last, printed = PRINTED[example]
     points = curvature * np.array([tuple(map(float, pair.split(","))) for pair in text.split()])
 
@@ -113,7 +126,10 @@ def test_lengths_known_in_advance(points, first, length, within):
 
 
 def test_the_limit_ends_a_search_with_its_interval():
-    """A route of fifty short legs cannot be closed in a quarter of a second."""
+    """The limit ends a search with its interval.
+
+    A route of fifty short legs cannot be closed in a quarter of a second.
+    """
     points = random_route(0, 50, 0.3, 2.0)
 
     route = search(points, 0.3, limit=0.25, tolerance=1e-12)
@@ -128,7 +144,11 @@ def test_the_limit_ends_a_search_with_its_interval():
     "boxes", [0, 100, *(pytest.param(n, marks=pytest.mark.slow) for n in (30_000, 60_000))]
 )
 def test_so_many_boxes_end_a_search_with_one_interval(boxes):
-    """Whatever the machine is doing, and nearer to the length than fewer of them."""
+    """Equal boxes end a search with one interval.
+
+    It does not depend on what the machine is doing, and is nearer to the length than with fewer of
+    them.
+    """
     points = random_route(0, 20, 0.3, 2.0)
 
     one, other = (search(points, 0.3, boxes=boxes, tolerance=1e-12) for _ in range(2))
@@ -151,9 +171,12 @@ def test_a_hundred_long_legs_close_to_twelve_digits(seed):
 
 
 def test_a_search_without_time_proves_the_straight_lines():
-    """No path is shorter than the straight lines from point to point."""
-    points = [(0.0, 0.0), (1e-7, 1e-7), (3e-7, 3e-7)]
-    found = search(points, 0.0, limit=1e-9)
+    """A search without time proves the straight lines.
 
-    assert found.low == pytest.approx(math.hypot(3e-7, 3e-7), rel=1e-14)
-    assert not found.closed
+    No path is shorter than the straight lines from point to point.
+    """
+    points = [(0.0, 0.0), (1e-7, 1e-7), (3e-7, 3e-7)]
+    route = search(points, 0.0, limit=1e-9)
+
+    assert route.low == pytest.approx(math.hypot(3e-7, 3e-7), rel=1e-14)
+    assert not route.closed

@@ -1,4 +1,7 @@
-"""The check of routes and of final headings: what it accepts, what it compares with."""
+"""The check of routes and of final headings.
+
+Tested are what it accepts and what it compares with.
+"""
 
 import math
 from dataclasses import replace
@@ -43,8 +46,12 @@ NO_TIME = Tolerances(search_s=1e-9)
     ],
 )
 def test_what_misses_and_why(scenario, changed, branch, reason):
-    """A millionth of the radius is allowed. The campaign tries misses of every size."""
-    path, asked = solve(scenario).path, replace(scenario, **changed)
+    """Misses and their reasons.
+
+    A millionth of the radius is allowed. The campaign tries misses of every size.
+    """
+    path = solve(scenario).path
+    asked = replace(scenario, **changed)
     expected = Verdict.OPTIMAL if reason is None else Verdict.MISSES
 
     assert judge(asked, path, branch=branch).verdict is expected
@@ -82,22 +89,26 @@ def test_a_detour_is_longer(scenario):
         path.start, [1.0, *path.curvatures], [2 * math.pi / scenario.radius, *path.lengths]
     )
 
-    found = judge(scenario, circle, Claim.OPTIMAL)
+    judgement = judge(scenario, circle, Claim.OPTIMAL)
 
-    assert found.verdict is Verdict.LONGER
-    assert found.wrong_basin
-    assert found.false_claim
-    assert found.gap == pytest.approx(2 * math.pi / path.length)
+    assert judgement.verdict is Verdict.LONGER
+    assert judgement.wrong_basin
+    assert judgement.false_claim
+    assert judgement.gap == pytest.approx(2 * math.pi / path.length)
     # an arc that is a turn longer satisfies Pontryagin's conditions as well, another arc does not
     same_side = path.curvatures[0] > 0
     proof = Proof.EXTREMAL if same_side else Proof.NONE
-    assert certify(scenario, circle, found).proof is proof
+    assert certify(scenario, circle, judgement).proof is proof
 
 
 @pytest.mark.parametrize("arc", [0.5, 1.0, math.pi, 4.0, 5.5])
 @pytest.mark.parametrize("side", [1, -1])
 def test_a_needless_turn_is_longer_from_half_a_turn_on(arc, side):
-    """A leg of one arc. Below half a turn, rounding may put its end where a turn more is needed."""
+    """A needless turn is longer from half a turn.
+
+    It is a leg of one arc. Below half a turn, rounding may put its end where a turn more is
+    needed.
+    """
     end = math.sin(arc), side * (1.0 - math.cos(arc))
     scenario = Scenario(target_x=end[0], target_y=end[1], final_heading=side * arc)
     path = Path(scenario.start, [side], [arc])
@@ -109,7 +120,10 @@ def test_a_needless_turn_is_longer_from_half_a_turn_on(arc, side):
 
 
 def test_an_answer_tells_where_it_visits_the_via_points():
-    """In their order, each within what a path may miss by; nothing where there is none."""
+    """An answer tells its visits of via points.
+
+    They are in their order, each within what a path may miss by; nothing where there is none.
+    """
     answer = solve(ROUTE)
     places = answer.path.at(answer.visits)
 
@@ -124,18 +138,21 @@ def _judgement(answer):
 
 
 def test_what_the_interval_leaves_open_is_undecided():
-    """Neither right nor wrong, whatever is claimed; a path that is surely longer is longer."""
+    """Answers within an open interval are undecided.
+
+    They are neither right nor wrong, whatever is claimed; a path that is surely longer is longer.
+    """
     path = solve(FREE).path
     shortest._known.clear()  # which closed the gap
 
     for claim in (Claim.OPTIMAL, Claim.LOCAL, Claim.FEASIBLE):
-        found = judge(FREE, path, claim, tolerances=NO_TIME)
-        assert (found.verdict, found.false_claim) == (Verdict.UNDECIDED, False)
+        judgement = judge(FREE, path, claim, tolerances=NO_TIME)
+        assert (judgement.verdict, judgement.false_claim) == (Verdict.UNDECIDED, False)
     assert judge(FREE, path, Claim.INFEASIBLE, tolerances=NO_TIME).false_claim
-    certificate = certify(FREE, path, found, tolerances=NO_TIME)
+    certificate = certify(FREE, path, judgement, tolerances=NO_TIME)
     assert certificate.proof is Proof.EXTREMAL
     assert certificate.reference_low < 0.999 * path.length
-    bounded = certify(FREE, path, found, lower_bound=path.length, tolerances=NO_TIME)
+    bounded = certify(FREE, path, judgement, lower_bound=path.length, tolerances=NO_TIME)
     assert bounded.proof is Proof.BOUNDED
 
     circles = Path(path.start, [1.0, *path.curvatures], [20 * math.pi, *path.lengths])
@@ -143,11 +160,17 @@ def test_what_the_interval_leaves_open_is_undecided():
 
 
 def test_the_check_repeats_no_search(monkeypatch):
-    """A search is the solver's own each time; the check takes the last one if it suffices."""
+    """The check repeats no search.
+
+    A search is the solver's own each time; the check takes the last one if it suffices.
+    """
     limits: list[float] = []
 
     def told(*given):
-        """What a solver is told of a limit: 95 % of it, less what building took."""
+        """The limit that a solver is told.
+
+        It is 95 % of the limit, less what building took.
+        """
         return pytest.approx([0.95 * each for each in given], rel=0.02)
 
     def search(*question, limit, **options):
@@ -180,7 +203,10 @@ def _zigzag(points):
 
 @pytest.mark.parametrize("speed", [1e5, 1e12])
 def test_what_the_solver_searched_is_the_reference_on_any_machine(speed, monkeypatch):
-    """The search was ended by its limit; a check that may take as long does not search again."""
+    """The solver's search is the reference on any machine.
+
+    The search was ended by its limit; a check that may take as long does not search again.
+    """
     searches = []
     search_routes = shortest.search
     monkeypatch.setattr(shortest, "BOXES_A_SECOND", speed)
@@ -196,31 +222,37 @@ def test_what_the_solver_searched_is_the_reference_on_any_machine(speed, monkeyp
 
 
 def test_a_check_out_of_time_certifies_less():
-    """The conditions are not checked; the interval, which is known, still proves the path."""
+    """A check out of time certifies less.
+
+    The conditions are not checked; the interval, which is known, still proves the path.
+    """
     answer = solve(ROUTE)
     judged_before = judge(ROUTE, answer.path)
     late = replace(Tolerances(), until=-math.inf)
 
-    found = certify(ROUTE, answer.path, judged_before, tolerances=late)
+    certificate = certify(ROUTE, answer.path, judged_before, tolerances=late)
 
     assert answer.pmp_residual < 1e-7
-    assert found.pmp_residual is None
-    assert found.proof is Proof.PROVED
+    assert certificate.pmp_residual is None
+    assert certificate.proof is Proof.PROVED
 
 
 def test_a_longer_answer_comes_with_the_shorter_path():
-    """The check's own path is an answer too, judged as all are."""
+    """A longer answer comes with the shorter path.
+
+    The check's own path is an answer too, judged as all are.
+    """
     best = solve(ROUTE).path
     circled = Path(best.start, [1.0, *best.curvatures], [2 * math.pi, *best.lengths])
     reply = Reply(Outcome.RETURNED, Solution(Claim.LOCAL, circled), Times())
     answer = judged("circles", Question(ROUTE), reply)
 
-    found = shorter_answer(answer)
+    shorter = shorter_answer(answer)
 
     assert answer.verdict is Verdict.LONGER
-    assert found.verdict is Verdict.OPTIMAL
-    assert found.length == pytest.approx(answer.length - 2 * math.pi, rel=1e-9)
-    assert shorter_answer(found) is None
+    assert shorter.verdict is Verdict.OPTIMAL
+    assert shorter.length == pytest.approx(answer.length - 2 * math.pi, rel=1e-9)
+    assert shorter_answer(shorter) is None
 
 
 def test_a_search_that_is_cut_short_claims_no_optimum():
@@ -242,12 +274,15 @@ def test_no_path_is_judged_without_a_search(monkeypatch):
 
 @pytest.mark.parametrize("via", [(), [(-3, 2)]])
 def test_missing_by_a_little_buys_no_turn(via):
-    """Just inside the start's circle the shortest path is a whole turn longer than on it.
+    """Missing by a little buys no turn.
+
+    Just inside the start's circle the shortest path is a whole turn longer than on it.
 
     A path to the circle, which misses by less than is allowed, is compared with the shortest one to
     where it ends: it is right, but only an extremal.
     """
-    inside, arc = 1 - 5e-7, 1.0
+    inside = 1 - 5e-7
+    arc = 1.0
     last = Pose(inside * math.sin(arc), 1 - inside * math.cos(arc), arc)
     path = Path(Pose(0, 0, 0), [1.0], [arc])
     scenario = Scenario(target_x=last.x, target_y=last.y, final_heading=arc)
@@ -256,20 +291,23 @@ def test_missing_by_a_little_buys_no_turn(via):
         scenario = Scenario(target_x=-3, target_y=2, via=[last[:2]], final_heading=1)
         path = Path(path.start, [1.0, *there.curvatures], [arc, *there.lengths])
 
-    found = judge(scenario, path, Claim.OPTIMAL)
-    proved = certify(scenario, path, found)
+    judgement = judge(scenario, path, Claim.OPTIMAL)
+    proved = certify(scenario, path, judgement)
 
     assert proved.reference_low > path.length + 1
-    assert found.verdict is not Verdict.MISSES
-    assert found.gap > -1e-5
-    assert found.miss == pytest.approx(5e-7, rel=1e-3)
+    assert judgement.verdict is not Verdict.MISSES
+    assert judgement.gap > -1e-5
+    assert judgement.miss == pytest.approx(5e-7, rel=1e-3)
     assert proved.proof is Proof.EXTREMAL
     assert solve(scenario).verdict is Verdict.OPTIMAL
 
 
 @pytest.mark.parametrize("seed", range(8))
 def test_rounding_beside_the_turning_circle_costs_no_turn(seed):
-    """A point computed to lie on the start's circle, inside or outside by rounding."""
+    """Rounding beside the turning circle costs no turn.
+
+    A point is computed to lie on the start's circle, inside or outside by rounding.
+    """
     rng = np.random.default_rng(seed)
     arc = Path(Pose(*rng.uniform(-5, 5, 3)), [1.0], [rng.uniform(0.3, 3)])
     x, y, heading = arc.end
@@ -279,23 +317,29 @@ def test_rounding_beside_the_turning_circle_costs_no_turn(seed):
     scenario = Scenario(*arc.start, x + away[0], y + away[1], via=[(x, y)])
     quick = Tolerances(search_s=0.5)
 
-    found = judge(scenario, path, tolerances=quick)
+    judgement = judge(scenario, path, tolerances=quick)
 
-    assert found.verdict in (Verdict.OPTIMAL, Verdict.UNDECIDED)
-    certificate = certify(scenario, path, found, tolerances=quick)
+    assert judgement.verdict in (Verdict.OPTIMAL, Verdict.UNDECIDED)
+    certificate = certify(scenario, path, judgement, tolerances=quick)
     assert certificate.reference_low <= path.length * (1 + 1e-9)
     assert certificate.proof in (Proof.PROVED, Proof.EXTREMAL)
 
 
 def test_the_check_knows_a_path_where_the_answer_has_none():
-    """Also of a leg; not of an answer that is the shortest."""
+    """The check knows a path that the answer lacks.
+
+    It also knows one of a leg; not of an answer that is the shortest.
+    """
     nothing = judged("nobody", Question(FREE), Reply(Outcome.RETURNED, Solution(Claim.FAILED)))
 
     assert shorter_answer(nothing).verdict in (Verdict.OPTIMAL, Verdict.UNDECIDED)
 
 
 def test_what_loads_is_no_part_of_a_limit(monkeypatch):
-    """The loops of the search are ready before a solver builds, and before its limit begins."""
+    """Loading is no part of a limit.
+
+    The loops of the search are ready before a solver builds, and before its limit begins.
+    """
     ready = []
     monkeypatch.setattr("dubins_study.study.route.search.compile_loops", lambda: ready.append(1))
 

@@ -1,4 +1,7 @@
-"""Scenarios, frames and rows, via points and final headings too: accepted, or refused and why."""
+"""Scenarios, frames and rows: accepted or refused.
+
+They have via points and final headings too; a refusal says why.
+"""
 
 import math
 import pickle
@@ -21,7 +24,7 @@ from dubins_study.experiments.isolation.messages import decode_question, encode_
 from dubins_study.solvers.protocol import Question, Solver
 from dubins_study.study.angle import AngleError, parse_angle
 from dubins_study.study.rows.parts import rows_table
-from dubins_study.study.rows.schema import ROW, SCENARIO, names
+from dubins_study.study.rows.schema import ROW, names
 from dubins_study.study.scenario import (
     COLUMNS,
     NUMBERS,
@@ -39,13 +42,16 @@ from dubins_study.study.words import (
     VIA_POINTS,
     Outcome,
 )
-from tests.cases import placed
+from tests.cases import placed, scenario_row
 
 GOOD = {"x": 0, "y": 0, "heading": 0, "target_x": 1, "target_y": 2, "radius": 1}
 
 
 def refused(message, **values):
-    """A scenario of these values is refused in few words; so is a frame, which names its row."""
+    """Check that a scenario is refused in few words.
+
+    A frame is refused as well, and the message names its row.
+    """
     with pytest.raises(ScenarioError, match=f"^{message}") as one:
         Scenario(**(GOOD | values))
     assert len(str(one.value)) < 200
@@ -53,7 +59,10 @@ def refused(message, **values):
 
 
 def refused_in_a_frame(message, **values):
-    """Of columns of objects, and of doubles if the values are."""
+    """Check that a frame of values is refused.
+
+    Its columns are of objects, and of doubles if the values are.
+    """
     doubles = all(type(value) is float for value in values.values())
     for dtype in (object, float) if doubles else (object,):
         frame = pd.DataFrame([GOOD | {"speed": 1.0}] * 3)
@@ -77,7 +86,10 @@ REFUSED = [
 
 @pytest.mark.parametrize(("field", "value", "expected"), REFUSED)
 def test_numbers_that_are_refused(field, value, expected):
-    """The message names the field, the value and what is expected."""
+    """Numbers that are refused.
+
+    The message names the field, the value and what is expected.
+    """
     shown = "(missing|None|nan)" if value is None else re.escape(repr(value))
     if (field, value) == ("heading", None):
         assert Scenario(**(GOOD | {"heading": None})).heading is None  # free
@@ -113,7 +125,10 @@ NO_NUMBERS = [
 @pytest.mark.parametrize(("value", "shown"), NO_NUMBERS, ids=[shown for _, shown in NO_NUMBERS])
 @pytest.mark.parametrize("field", ["x", "heading", "radius"])
 def test_what_is_no_number(field, value, shown):
-    """Only the heading may be a text."""
+    """Values that are no numbers are refused.
+
+    Only the heading may be a text.
+    """
     if field != "heading" or not isinstance(value, str):
         refused(rf"{field} is {shown}.*; expected a number", **{field: value})
 
@@ -175,7 +190,10 @@ def test_columns_of_something_else(column, shown):
 
 @pytest.mark.parametrize("label", [[1], {}, None, 3, b"a", "\ud800"])
 def test_a_label_is_a_text(label):
-    """In a frame a missing one is empty, as CSV files read; anything else is named and its row."""
+    """A label is a text.
+
+    In a frame a missing one is empty, as CSV files read; anything else is named and its row.
+    """
     with pytest.raises(ScenarioError, match=r"^label is .*; expected a text"):
         Scenario(**(GOOD | {"label": label}))
     frame = pd.DataFrame([GOOD] * 2).assign(label=pd.Series(["a", None], dtype=object))
@@ -202,14 +220,20 @@ def test_columns(frame, message):
 
 @pytest.mark.parametrize("more", [{}, {"via": [(1, 2)]}, {"final_heading": "90deg"}])
 def test_columns_that_are_left_out(more):
-    """Each has the default of `Scenario`, in columns of numbers and in rows of texts and lists."""
+    """Columns that are left out have defaults.
+
+    Each has that of `Scenario`, in columns of numbers and in rows of texts and lists.
+    """
     frame = pd.DataFrame([{"target_x": 3, "target_y": 4, **more}] * 2)
 
     assert list(scenarios(check_frame(frame))) == [Scenario(target_x=3, target_y=4, **more)] * 2
 
 
 def test_local_coordinates():
-    """A target two radii ahead and one to the left, whatever the pose."""
+    """Local coordinates of a target.
+
+    It lies two radii ahead and one to the left, whatever the pose.
+    """
     scenario = placed(2, 1, x=5, y=-3, heading=2.0, radius=2)
 
     np.testing.assert_allclose(scenario.local(), (2, 1), rtol=1e-14)
@@ -246,7 +270,10 @@ def test_not_an_angle(text):
 
 @pytest.mark.parametrize("text", ["120", "-90", "6.3", "1e3"])
 def test_a_text_beyond_a_full_turn_needs_a_unit(text):
-    """Neither a text nor a number is an angle; of a `Scenario` only the text is refused."""
+    """A text beyond a full turn needs a unit.
+
+    Neither a text nor a number is an angle; of a `Scenario` only the text is refused.
+    """
     message = f"{text} is more than a full turn; write {text}deg, or"
     for written in (text, float(text)):
         with pytest.raises(AngleError, match="is more than a full turn; write "):
@@ -261,7 +288,10 @@ DEGREES = "if it is in degrees, write the unit, such as '90deg'"
 
 @pytest.mark.parametrize("name", ["heading", "final_heading"])
 def test_a_number_beyond_a_full_turn_gives_a_warning(name):
-    """At the caller's line, and so once for all numbers there; radians beyond it may be a text."""
+    """A number beyond a full turn gives a warning.
+
+    It is at the caller's line, and so once for all numbers there; radians beyond it may be a text.
+    """
     with warnings.catch_warnings(record=True) as found:
         warnings.simplefilter("default")
         for number in (90, -400.0, np.float64(7), 6.2832, "7rad", "-720deg"):
@@ -291,7 +321,10 @@ def test_a_number_beyond_a_full_turn_gives_a_warning(name):
 
 
 def test_a_scenario_has_the_defaults_of_the_command():
-    """Only the target must be given; the heading may be a text, and is stored in radians."""
+    """A scenario has the defaults of the command.
+
+    Only the target must be given; the heading may be a text, and is stored in radians.
+    """
     assert Scenario(target_x=3, target_y=2) == Scenario(0, 0, 0, 3, 2, 1, 1, "")
     assert Scenario(0, 0, "120deg", 3, 2).heading == math.radians(120)
     assert Scenario(heading="2pi/3", target_x=3, target_y=2).heading == 2 * math.pi / 3
@@ -380,7 +413,10 @@ def test_final_headings_that_are_refused(value):
 
 @given(st.lists(st.tuples(coordinates, coordinates), min_size=2, max_size=8))
 def test_extent_is_the_largest_over_legs(points):
-    """Each leg alone is a scenario, whose extent has no via points; a long route is not refused."""
+    """The extent is the largest over legs.
+
+    Each leg alone is a scenario, whose extent has no via points; a long route is not refused.
+    """
     if any(one == other for one, other in pairwise(points)):
         return
     (x, y), *via, (u, v) = points
@@ -391,7 +427,10 @@ def test_extent_is_the_largest_over_legs(points):
 
 
 def test_points_of_a_frame_are_its_columns_x_and_y():
-    """Whatever their order; one without them is refused, since it could be anything."""
+    """Points of a frame are its columns x, y.
+
+    Their order does not matter; a frame without them is refused, since it could be anything.
+    """
     frame = pd.DataFrame({"name": ["a", "b"], "y": [1, -2], "x": [4, 6]})
 
     assert Scenario(target_x=9, target_y=0, via=frame).via == ((4.0, 1.0), (6.0, -2.0))
@@ -400,7 +439,10 @@ def test_points_of_a_frame_are_its_columns_x_and_y():
 
 
 def test_stops_are_the_points_after_the_start():
-    """Only the last one may have a heading."""
+    """Stops are the points after the start.
+
+    Only the last one may have a heading.
+    """
     route = Scenario(target_x=9, target_y=0, via=[(4, 1), (6, -2)], final_heading=0.5)
 
     assert route.stops == ((4.0, 1.0, None), (6.0, -2.0, None), (9.0, 0.0, 0.5))
@@ -414,28 +456,31 @@ def test_a_scenario_names_its_needs():
     assert CASES[3].needs == (VIA_POINTS, FREE_FINAL_HEADING)
 
 
-def row(scenario):
-    return {name: getattr(scenario, name) for name in names(SCENARIO)}
-
-
 @pytest.mark.parametrize("scenario", CASES)
 def test_a_row_is_the_scenario(scenario):
-    """By way of the Parquet table and pandas, whose lists are arrays and whose nulls are many."""
-    table = rows_table([dict.fromkeys(names(ROW)) | row(scenario)])
+    """A row is the scenario.
+
+    It goes by way of the Parquet table and pandas, whose lists are arrays and whose nulls are
+    many.
+    """
+    table = rows_table([dict.fromkeys(names(ROW)) | scenario_row(scenario)])
     [from_arrow] = table.to_pylist()
     [from_pandas] = table.to_pandas().to_dict("records")
 
     assert from_arrow["via_x"] == ([x for x, _ in scenario.via] or None)
-    for read in (row(scenario), from_arrow, from_pandas):
+    for read in (scenario_row(scenario), from_arrow, from_pandas):
         assert scenario_of(read) == scenario
     old = {name: from_pandas[name] for name in COLUMNS[:8]}
     assert scenario_of(old) == replace(scenario, via=(), final_heading=None)
 
 
 def test_frames_and_scenarios_go_round():
-    """From columns of rows, and from what pandas makes of a list of scenarios."""
+    """Frames and scenarios go round.
+
+    They come from columns of rows, and from what pandas makes of a list of scenarios.
+    """
     expected = [PLAIN, POSE, ROUTE, replace(ROUTE, via=[(1, 2)])]
-    for frame in (pd.DataFrame([row(s) for s in expected]), pd.DataFrame(expected)):
+    for frame in (pd.DataFrame([scenario_row(s) for s in expected]), pd.DataFrame(expected)):
         checked = check_frame(frame)
         assert list(checked.columns) == list(COLUMNS)
         assert list(scenarios(checked)) == expected
@@ -452,7 +497,10 @@ CELLS = [
 
 @pytest.mark.parametrize(("via_x", "via_y", "via"), CELLS)
 def test_cells_of_via_points(via_x, via_y, via):
-    """Beside a row without any, whose final heading is missing too."""
+    """Cells of via points.
+
+    A row without any, whose final heading is missing too, stands beside them.
+    """
     frame = pd.DataFrame([ROW_OF] * 2)
     for name, cell in (("via_x", via_x), ("via_y", via_y)):
         frame[name] = pd.Series([cell, math.nan], dtype=float if via == ONE else object)
@@ -487,7 +535,10 @@ def test_rows_of_a_frame_that_are_refused(change, message):
 
 
 def test_a_route_beyond_the_extent_of_one_leg_is_accepted():
-    """The sum of start and target is no leg of it."""
+    """A route beyond one leg's extent is accepted.
+
+    The sum of start and target is no leg of it.
+    """
     frame = pd.DataFrame([ROW_OF | {"x": -6e12, "target_x": 6e12}])
     with pytest.raises(ScenarioError, match="lost in rounding"):
         check_frame(frame)
@@ -509,7 +560,10 @@ class Asked(Solver):
 @pytest.mark.parametrize("taken", [(), *((need,) for need in NEEDS), NEEDS])
 @pytest.mark.parametrize("scenario", CASES)
 def test_a_solver_is_asked_only_what_it_takes(scenario, taken, monkeypatch):
-    """A question that needs more is unsupported, with a message that says what is not taken."""
+    """A solver is asked only what it takes.
+
+    A question that needs more is unsupported, with a message that says what is not taken.
+    """
     monkeypatch.setattr(Asked, "takes", frozenset(taken))
     reply = ask(Asked(), Question(scenario))
 

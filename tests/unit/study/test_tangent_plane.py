@@ -1,4 +1,7 @@
-"""The tangent plane: against geodesics of GeographicLib, and by its symmetries."""
+"""The tangent plane.
+
+It is compared with geodesics of GeographicLib, and by its symmetries.
+"""
 
 import math
 
@@ -23,7 +26,10 @@ def _turned(one, other):
 
 @given(planes, metres)
 def test_there_and_back(plane, point):
-    """To a millionth of a metre, near the poles and on both sides of the date line too."""
+    """There and back is the same place.
+
+    That holds to a millionth of a metre, near the poles and on both sides of the date line too.
+    """
     back = plane.to_plane(plane.to_earth([point]))
 
     np.testing.assert_allclose(back, [point], atol=1e-6)
@@ -31,7 +37,9 @@ def test_there_and_back(plane, point):
 
 @given(planes, metres)
 def test_distance_and_direction_from_the_middle_are_kept(plane, point):
-    """What defines the projection: those of the geodesic from the middle, by another of its ways.
+    """Distance and direction from the middle are kept.
+
+    They define the projection: those of the geodesic from the middle, by another of its ways.
 
     The length is found from the point to the middle, the direction by a line of points.
     """
@@ -48,7 +56,10 @@ def test_distance_and_direction_from_the_middle_are_kept(plane, point):
 
 @given(planes, metres)
 def test_mirror_images(plane, point):
-    """East and west, and north and south, are alike; another longitude changes nothing."""
+    """Mirror images are alike.
+
+    East and west, and north and south, are alike; another longitude changes nothing.
+    """
     ((lon, lat),) = plane.to_earth([point])
     x, y = point
     mirrored = TangentPlane(-plane.latitude, plane.longitude)
@@ -68,7 +79,10 @@ def test_mirror_images(plane, point):
 @pytest.mark.parametrize("latitude", [0.0, 48.0, -75.0])
 @pytest.mark.parametrize("far", [2e4, 2e5])
 def test_the_distortion_is_that_of_a_short_length(latitude, far):
-    """Measured on the ellipsoid beside a step across, where it is largest; along there is none."""
+    """The distortion is that of a short length.
+
+    It is measured on the ellipsoid beside a step across, where it is largest; along there is none.
+    """
     plane = TangentPlane(latitude, 10.0)
     for azimuth in (0.3, 2.0):
         away = np.array([math.sin(azimuth), math.cos(azimuth)])
@@ -81,7 +95,10 @@ def test_the_distortion_is_that_of_a_short_length(latitude, far):
 
 
 def test_the_middle_of_places():
-    """Of a box, across the date line too."""
+    """Middle of a box of places.
+
+    The box may lie across the date line.
+    """
     assert middle_of([(11, 48), (12, 50), (11.2, 49)]) == TangentPlane(49.0, 11.5)
     across = middle_of([(179, 10), (-179.5, 12)])
     assert (across.latitude, across.longitude) == pytest.approx((11, 179.75))
@@ -93,7 +110,10 @@ def test_the_middle_of_places():
 
 @pytest.mark.parametrize("longitude", [0.0, 90.0, -179.0])
 def test_beside_a_pole(longitude):
-    """The pole itself is a point; beyond it lies the other side, with north turned around."""
+    """Beside a pole places are right.
+
+    The pole itself is a point; beyond it lies the other side, with north turned around.
+    """
     plane = TangentPlane(89.9, longitude)
     (pole,) = plane.to_plane([(longitude + 33, 90)])
     beyond = [(0, 2 * pole[1])]
@@ -106,8 +126,13 @@ def test_beside_a_pole(longitude):
 
 
 def test_a_scenario_of_places_is_the_inverse_of_geojson():
-    """Its path begins and ends where it was asked to, in degrees."""
-    start, via, target = (11.5, 48.1), (11.51, 48.103, "90deg"), (11.52, 48.1)
+    """A scenario of places is the inverse of GeoJSON.
+
+    Its path begins and ends where it was asked to, in degrees.
+    """
+    start = (11.5, 48.1)
+    via = (11.51, 48.103, "90deg")
+    target = (11.52, 48.1)
     scenario = Scenario.from_lonlat(start, target, via=[via], radius=60, heading=None)
     middle = middle_of([start, via[:2], target])
     origin = middle.latitude, middle.longitude

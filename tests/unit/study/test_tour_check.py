@@ -1,4 +1,7 @@
-"""The check of tours, headings at stops, free starts and closed paths, beside dense samples."""
+"""The check of tours, beside dense samples.
+
+It is tested with headings at stops, free starts and closed paths.
+"""
 
 import math
 from dataclasses import replace
@@ -22,7 +25,10 @@ SOON = Tolerances(search_s=0.1)
 
 
 def random_path(rng):
-    """Up to eight arcs and straights, of more than a turn among them."""
+    """A path of up to eight arcs and straights.
+
+    Some arcs are of more than a turn.
+    """
     n = int(rng.integers(1, 9))
     return Path(
         Pose(*rng.uniform(-2, 2, 2), rng.uniform(-4, 4)),
@@ -33,7 +39,10 @@ def random_path(rng):
 
 @pytest.mark.parametrize("seed", range(60))
 def test_each_point_is_visited_first_in_any_order(seed):
-    """Points on a path, half of them with the heading there; no sample before is a visit."""
+    """Each point is visited first, in any order.
+
+    The points lie on a path, half of them with the heading there; no sample before is a visit.
+    """
     rng = np.random.default_rng((34, seed))
     path = random_path(rng)
     placed = rng.uniform(0.0, path.length, 6)
@@ -48,7 +57,8 @@ def test_each_point_is_visited_first_in_any_order(seed):
     assert seen.turned < 1e-6
     assert sorted(seen.order) == list(range(6))
     assert list(seen.at) == sorted(seen.at)
-    samples, step = path.sample(SAMPLES), path.length / (SAMPLES - 1)
+    samples = path.sample(SAMPLES)
+    step = path.length / (SAMPLES - 1)
     for place, at in zip(seen.order, seen.at, strict=True):
         stop = stops[place]
         assert at <= placed[place] + 1e-6
@@ -69,13 +79,16 @@ THROUGH = Scenario(target_x=0, target_y=2, via=[(4, 2), (9, 1), (4, 0)], order="
 
 
 def test_the_order_is_read_from_the_path():
-    """Whatever that of the points in the scenario; the route in their order is missed."""
-    np.testing.assert_allclose(integrated(U_TURN)[:2], (0, 2), atol=1e-9)
-    judged = judge(THROUGH, U_TURN)
+    """The order is read from the path.
 
-    assert judged.verdict is Verdict.OPTIMAL
-    assert judged.visit_order == [2, 1, 0]
-    assert judged.visits == pytest.approx([4.0, 8.0 + math.pi / 2, 12.0 + math.pi], abs=1e-6)
+    The order of the points in the scenario does not matter; the route in their order is missed.
+    """
+    np.testing.assert_allclose(integrated(U_TURN)[:2], (0, 2), atol=1e-9)
+    judgement = judge(THROUGH, U_TURN)
+
+    assert judgement.verdict is Verdict.OPTIMAL
+    assert judgement.visit_order == [2, 1, 0]
+    assert judgement.visits == pytest.approx([4.0, 8.0 + math.pi / 2, 12.0 + math.pi], abs=1e-6)
     in_order = replace(THROUGH, order="given")
     assert judge(in_order, U_TURN).verdict is Verdict.MISSES
     assert "in their order" in miss_reason(in_order, U_TURN, "best")
@@ -85,7 +98,10 @@ def test_the_order_is_read_from_the_path():
 
 
 def test_a_point_that_is_passed_early_counts_there():
-    """A figure of eight passes its middle twice; a target that is passed early is no end."""
+    """A point that is passed early counts there.
+
+    A figure of eight passes its middle twice; a target that is passed early is no end.
+    """
     eight = Path(Pose(-3, 0, 0), [0.0, 1.0, 0.0, -1.0], [6.0, 1.5 * math.pi, 4.0, 1.0])
     crossing = eight.at(6.0 + 1.5 * math.pi + 1.0)[0, :2]
     assert crossing == pytest.approx((2.0, 0.0), abs=1e-9)
@@ -119,20 +135,26 @@ def test_a_heading_at_a_stop_is_met(off, verdict, order):
 
 @pytest.mark.parametrize("off", [0.7, 1e-3, 2.5e-6])
 def test_the_second_passing_counts_where_it_has_the_heading(off):
-    """A path that comes through a point with another heading, and returns there with the right."""
+    """The second passing counts for a heading.
+
+    A path comes through a point with another heading, and returns there with the right one.
+    """
     back = pose_path(Pose(2, 0, 0), Pose(2, 0, -off), 1.0)
     path = Path(Pose(0, 0, 0), [0.0, *back.curvatures, 0.0], [2.0, *back.lengths, 3.0])
     end = path.end
     scenario = Scenario(target_x=end.x, target_y=end.y, via=[(2, 0, -off)])
 
     for order in ("given", "free"):
-        judged = judge(replace(scenario, order=order), path)
-        assert judged.verdict is not Verdict.MISSES
-        assert judged.visits == pytest.approx([2.0 + back.length], abs=1e-5)
+        judgement = judge(replace(scenario, order=order), path)
+        assert judgement.verdict is not Verdict.MISSES
+        assert judgement.visits == pytest.approx([2.0 + back.length], abs=1e-5)
 
 
 def test_a_closed_path_ends_with_the_heading_of_its_start():
-    """A turn more is the same heading; whoever comes back with another one misses."""
+    """A closed path ends with its start's heading.
+
+    A turn more is the same heading; a path that comes back with another one misses.
+    """
     circle = Path(Pose(0, 0, 1.0), [1.0], [2 * math.pi])
     x, y, _ = circle.at(2.0)[0]
     scenario = Scenario(heading=1.0, via=[(x, y)], closed=True)
@@ -147,29 +169,35 @@ def test_a_closed_path_ends_with_the_heading_of_its_start():
                 [*there.curvatures, *back.curvatures],
                 [*there.lengths, *back.lengths],
             )
-            found = judge(replace(one, heading=1.0), path)
-            assert (found.verdict is not Verdict.MISSES) == arrives
+            judgement = judge(replace(one, heading=1.0), path)
+            assert (judgement.verdict is not Verdict.MISSES) == arrives
             if not arrives:
                 assert "final heading" in miss_reason(replace(one, heading=1.0), path, "best")
 
 
 def test_a_free_start_begins_at_its_place():
-    """With whatever heading; the judgement says which."""
+    """A free start begins at its place.
+
+    It may have any heading; the judgement says which.
+    """
     scenario = Scenario(1, 2, "free", 7, -3)
     answer = solve(scenario)
     away = math.atan2(-5, 6)
 
     assert answer.length == pytest.approx(math.hypot(6, 5), rel=1e-8)
     straight = Path(Pose(1, 2, away), [0.0], [math.hypot(6, 5)])
-    judged = judge(scenario, straight)
-    assert (judged.verdict, judged.start_heading) == (Verdict.OPTIMAL, away)
+    judgement = judge(scenario, straight)
+    assert (judgement.verdict, judgement.start_heading) == (Verdict.OPTIMAL, away)
     beside = Path(Pose(1 + 1e-9, 2, away), [0.0], [math.hypot(6, 5)])
     assert judge(scenario, beside).verdict is Verdict.MISSES
     assert miss_reason(scenario, beside, "best") == "the path starts elsewhere"
 
 
 def test_an_open_end_is_wherever_all_are_passed():
-    """What is driven beyond the last point is driven for nothing."""
+    """An open end is wherever all are passed.
+
+    What is driven beyond the last point is driven for nothing.
+    """
     scenario = Scenario(via=[(3, 0), (8, 0), (5, 0)], order="free")
 
     assert judge(scenario, Path(scenario.start, [0.0], [8.0])).verdict is Verdict.OPTIMAL
@@ -189,7 +217,9 @@ CHEATED = {
 @pytest.mark.many(3)
 @pytest.mark.parametrize("name", CHEATED)
 def test_who_misses_points_by_less_than_is_allowed_gains_nothing(name):
-    """The best tours of points moved by up to 1e-6 R arrive, and by no more than that shorter.
+    """Missing points by little gains nothing.
+
+    The best tours of points moved by up to 1e-6 R arrive, and by no more than that shorter.
 
     Those of points moved by more miss. Nobody's claim `optimal` is false for a millionth.
     """
@@ -202,12 +232,12 @@ def test_who_misses_points_by_less_than_is_allowed_gains_nothing(name):
             angle = rng.uniform(-4, 4, 3)
             moved = via + size * np.stack([np.cos(angle), np.sin(angle)], axis=1)
             path = solve(replace(asked, via=moved)).path
-            judged = judge(asked, path, Claim.OPTIMAL)
-            certificate = certify(asked, path, judged, lower_bound=judged.length)
-            assert (judged.verdict is Verdict.OPTIMAL) == arrives
+            judgement = judge(asked, path, Claim.OPTIMAL)
+            certificate = certify(asked, path, judgement, lower_bound=judgement.length)
+            assert (judgement.verdict is Verdict.OPTIMAL) == arrives
             if arrives:
-                assert not judged.false_claim
-                assert abs(judged.length - best.length) < 1e-4 * best.length
+                assert not judgement.false_claim
+                assert abs(judgement.length - best.length) < 1e-4 * best.length
                 assert certificate.proof is Proof.PROVED
 
 
@@ -217,15 +247,18 @@ INSIDE, OUTSIDE = (0.0, 2.0 - 4e-7), (0.0, 2.0 + 4e-7)
 
 @pytest.mark.parametrize("ends", [{}, {"target_x": -6, "target_y": 2}, {"closed": True}])
 def test_a_shortcut_of_a_turn_is_judged_by_the_points_that_it_visits(ends):
-    """The reference falls by a jump within what is allowed; the cheat is no crash and no proof."""
+    """Visited points judge a shortcut of a turn.
+
+    The reference falls by a jump within what is allowed; the cheat is no crash and no proof.
+    """
     asked = Scenario(**ends, via=[INSIDE], order="free")
     cheat = solve(replace(asked, via=[OUTSIDE])).path
 
-    judged = judge(asked, cheat, Claim.OPTIMAL)
-    certificate = certify(asked, cheat, judged, lower_bound=cheat.length)
+    judgement = judge(asked, cheat, Claim.OPTIMAL)
+    certificate = certify(asked, cheat, judgement, lower_bound=cheat.length)
 
-    assert judged.verdict in (Verdict.OPTIMAL, Verdict.UNDECIDED)
-    assert judged.gap > -1e-4
+    assert judgement.verdict in (Verdict.OPTIMAL, Verdict.UNDECIDED)
+    assert judgement.gap > -1e-4
     assert not certificate.false_bound
 
 
@@ -234,12 +267,15 @@ def test_a_shortcut_of_a_turn_is_judged_by_the_points_that_it_visits(ends):
 )
 @pytest.mark.parametrize("via", [[(0, 5e-7)], [(0, 5e-7), (0, -5e-7)], [(0, 5e-7, 0.0)]])
 def test_a_path_may_rest_where_all_points_are(via, ends):
-    """It is no crash, and nothing is claimed for more than it is."""
+    """A path may rest where all points are.
+
+    It is no crash, and nothing is claimed for more than it is.
+    """
     asked = Scenario(**ends, via=via, order="free")
     resting = Path(Pose(0, 0, 0), [], [])
 
-    judged = judge(asked, resting, Claim.OPTIMAL, tolerances=SOON)
-    certify(asked, resting, judged, tolerances=SOON)
+    judgement = judge(asked, resting, Claim.OPTIMAL, tolerances=SOON)
+    certify(asked, resting, judgement, tolerances=SOON)
 
-    assert judged.verdict is Verdict.OPTIMAL
-    assert judged.gap == pytest.approx(0.0, abs=1e-5)
+    assert judgement.verdict is Verdict.OPTIMAL
+    assert judgement.gap == pytest.approx(0.0, abs=1e-5)

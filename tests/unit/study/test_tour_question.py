@@ -1,4 +1,7 @@
-"""Tours, given headings at via points, free starts and closed paths: as scenarios, frames, rows."""
+"""Tours as scenarios, frames and rows.
+
+There are given headings at via points, free starts and closed paths.
+"""
 
 import math
 import pickle
@@ -14,10 +17,11 @@ from dubins_study.experiments.plan.scenarios import scenario_id
 from dubins_study.study.kinds.table import KINDS, kind_of, rows_of
 from dubins_study.study.path import Path
 from dubins_study.study.rows.parts import rows_table, start_of
-from dubins_study.study.rows.schema import ROW, SCENARIO, names
+from dubins_study.study.rows.schema import ROW, names
 from dubins_study.study.scenario import COLUMNS, Scenario, ScenarioError
 from dubins_study.study.scenario_frame import check_frame, scenario_of, scenarios, solve_command
 from dubins_study.study.words import NEEDS, Order
+from tests.cases import scenario_row
 
 VIA = [(4, 1), (6, -2)]
 TARGET = {"target_x": 10, "target_y": 5}
@@ -66,7 +70,7 @@ REFUSED = [
 
 @pytest.mark.parametrize(("values", "message"), REFUSED)
 def test_what_is_refused(values, message):
-    """With one sentence that names the field."""
+    """Refusals name the field in one sentence."""
     with pytest.raises(ScenarioError, match=f"^{message}") as error:
         Scenario(**values)
     assert len(str(error.value)) < 200
@@ -79,7 +83,10 @@ def test_a_free_start_has_no_pose():
 
 
 def test_stops_and_needs():
-    """Where a path ends, and what a solver must take, by the fields that are given."""
+    """Stops, and needs of a solver.
+
+    The fields that are given tell where a path ends, and what a solver must take.
+    """
     stops = {name: scenario.stops for name, scenario in SCENARIOS.items()}
     needs = {name: set(scenario.needs) for name, scenario in SCENARIOS.items()}
 
@@ -121,7 +128,10 @@ def test_points_of_a_frame_have_headings():
 
 
 def test_ids_of_older_scenarios_are_what_they_were():
-    """They stand in results folders; what is new has ids of its own."""
+    """Ids of older scenarios are what they were.
+
+    They stand in results folders; what is new has ids of its own.
+    """
     old = {
         "1d3d82903d2a36ff": Scenario(**TARGET),
         "b6eb7f75f16cbec6": Scenario(1, 2, "30deg", -3, 4, 2, 0.5, "a"),
@@ -153,7 +163,10 @@ CELLS = [
 
 @pytest.mark.parametrize(("cell", "headings"), CELLS)
 def test_cells_of_headings_at_via_points(cell, headings):
-    """Beside a row without via points."""
+    """Cells of headings at via points.
+
+    A row without via points stands beside them.
+    """
     frame = pd.DataFrame([TARGET] * 2)
     for name, cells in {"via_x": "4 6", "via_y": "1 -2", "via_heading": cell}.items():
         frame[name] = pd.Series([cells, None], dtype=object)
@@ -190,17 +203,17 @@ def test_rows_of_a_frame_that_are_refused(change, message):
         check_frame(frame)
 
 
-def row(scenario):
-    return {name: getattr(scenario, name) for name in names(SCENARIO)}
-
-
 def test_frames_go_round():
-    """Rows of columns, of a list of scenarios, checked once and twice, and solved."""
+    """Frames go round.
+
+    Rows come from columns and from a list of scenarios; they are checked once and twice, and
+    solved.
+    """
     expected = list(SCENARIOS.values())
     listed = pd.DataFrame(expected)
     listed["heading"] = ["free" if one.heading is None else one.heading for one in expected]
 
-    for frame in (pd.DataFrame(map(row, expected)), listed):
+    for frame in (pd.DataFrame(map(scenario_row, expected)), listed):
         checked = check_frame(frame)
         assert list(checked.columns) == list(COLUMNS)
         assert list(scenarios(checked)) == expected
@@ -214,7 +227,10 @@ def test_frames_go_round():
 
 @every
 def test_a_row_keeps_the_scenario_and_the_path(scenario):
-    """By way of Arrow, which older readers of a part see as well."""
+    """A row keeps the scenario and the path.
+
+    It goes by way of Arrow, which older readers of a part see as well.
+    """
     answer = solve(scenario)
     table = rows_table([dict.fromkeys(names(ROW)) | answer.row()])
     [from_arrow] = table.to_pylist()
@@ -229,8 +245,8 @@ def test_a_row_keeps_the_scenario_and_the_path(scenario):
     assert from_arrow["start_heading"] == given
 
 
-def drawn(rng):
-    """A scenario with each of the optional fields or without it."""
+def random_scenario(rng):
+    """A scenario with or without each optional field."""
     via = rng.uniform(-9, 9, (int(rng.integers(0, 3)), 2)).tolist()
     if rng.random() < 0.3:
         via = [(*point, rng.uniform(-3, 3)) for point in via]
@@ -246,8 +262,8 @@ def drawn(rng):
 
 def test_each_scenario_and_its_row_are_of_one_kind():
     rng = np.random.default_rng(34)
-    some = [drawn(rng) for _ in range(400)]
-    frame = check_frame(pd.DataFrame(map(row, some)))
+    some = [random_scenario(rng) for _ in range(400)]
+    frame = check_frame(pd.DataFrame(map(scenario_row, some)))
 
     assert list(scenarios(frame)) == some
     kinds = [kind_of(scenario).name for scenario in some]
@@ -257,7 +273,10 @@ def test_each_scenario_and_its_row_are_of_one_kind():
 
 
 def options_of(command):
-    """The words of a command by option; those before any are those of the program."""
+    """Words of a command by option.
+
+    Those before any are those of the program.
+    """
     options: dict[str, list[list[str]]] = {}
     values: list[str] = []
     for word in shlex.split(command):
@@ -270,10 +289,13 @@ def options_of(command):
 
 
 def test_a_command_states_the_question():
-    """Its text; `tests/unit/cli` runs commands."""
+    """Text of the command that asks the question.
+
+    `tests/unit/cli` runs commands.
+    """
     tour = Scenario(1, 2, "free", 9, -3, via=[(4, 1, 2), (6, -2), (7, 8, "90rad")], order="free")
-    command = solve_command(row(tour) | {"solver": "analytic"})
-    closed = solve_command(row(SCENARIOS["closed tour"]) | {"solver": "analytic"})
+    command = solve_command(scenario_row(tour) | {"solver": "analytic"})
+    closed = solve_command(scenario_row(SCENARIOS["closed tour"]) | {"solver": "analytic"})
 
     options = options_of(command)
     assert options["--from"] == [["1", "2", "free"]]

@@ -1,4 +1,7 @@
-"""The search for tours, where its lower end or its limits are easily wrong."""
+"""The search for tours at its edges.
+
+There its lower end or its limits are easily wrong.
+"""
 
 from __future__ import annotations
 
@@ -24,15 +27,15 @@ def test_a_point_at_the_start_adds_no_length_to_the_lower_end(
     points = np.array([(away, 0.0), (6.0, 1.0), (4.0, -3.0), *more])
     heading = 0.0  # passes the point by the start at once
     stops = Stops(points, [None] * len(points), heading, (9.0, 0.0), None)
-    found = search_tour(stops, tolerance=1e-8, boxes=1e6)
-    assert found.closed
+    tour = search_tour(stops, tolerance=1e-8, boxes=1e6)
+    assert tour.closed
     orders = permutations(range(1, len(points)))
     lengths = [
         search([(0.0, 0.0), *points[list(order)], (9.0, 0.0)], heading).length for order in orders
     ]
     assert search_tour(stops, boxes=1).low <= min(lengths) + 1e-8
-    assert found.low <= min(lengths) + 1e-8
-    assert found.high == pytest.approx(min(lengths), abs=1e-7)
+    assert tour.low <= min(lengths) + 1e-8
+    assert tour.high == pytest.approx(min(lengths), abs=1e-7)
 
 
 @pytest.mark.parametrize("count", [_ABOVE_LISTING, _ONLY_A_TREE])
@@ -43,18 +46,21 @@ def test_many_points_have_a_good_tour_and_a_lower_end(count: int, closed: bool) 
     target = (0.0, 0.0) if closed else None
     first = None if closed else 0.4
     stops = Stops(points, [None] * count, first, target, None, closed=closed)
-    found = search_tour(stops, boxes=3e5)
-    assert sorted(found.order) == list(range(count))
-    assert 0.5 * found.high < found.low <= found.route.length <= found.high
+    tour = search_tour(stops, boxes=3e5)
+    assert sorted(tour.order) == list(range(count))
+    assert 0.5 * tour.high < tour.low <= tour.route.length <= tour.high
 
 
 def test_a_dense_loop_is_bounded_as_well_as_a_route() -> None:
-    """Both ways round two points and a start are one loop, which the search for routes bounds."""
+    """A dense loop's bound matches a route's.
+
+    Both ways round two points and a start are one loop, which the search for routes bounds.
+    """
     points = np.array([(1.0, 0.0), (0.5, 0.8)])
     stops = Stops(points, [None] * 2, None, (0.0, 0.0), None, closed=True)
 
-    found = search_tour(stops, boxes=1e5)
+    tour = search_tour(stops, boxes=1e5)
 
     route = search([(0.0, 0.0), *points, (0.0, 0.0)], None, closed=True, boxes=1e5)
-    assert max(found.low, route.low) <= min(found.high, route.high)
-    assert found.low > 0.99 * found.high  # by straight lines it would be 0.23
+    assert max(tour.low, route.low) <= min(tour.high, route.high)
+    assert tour.low > 0.99 * tour.high  # by straight lines it would be 0.23

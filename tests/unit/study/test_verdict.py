@@ -1,4 +1,6 @@
-"""The closed form's known numbers; the check: what it accepts, what it does not, what it compares.
+"""The closed form's known numbers, and the check.
+
+The check is tested for what it accepts, what it does not, and what it compares.
 
 The campaign compares both with an oracle of 60 digits.
 """
@@ -39,7 +41,10 @@ HARD = hard_frame(N, seed=11)
 
 
 def on_left_circle(angle: float, inside: float = 0.0) -> Scenario:
-    """A target at an arc angle of the left circle (R = 1), `inside` radii towards its centre."""
+    """A target seen from the left circle.
+
+    It has an arc angle. R = 1; it lies `inside` radii towards the centre.
+    """
     r = 1 - inside
     return Scenario(0, 0, 0, r * math.sin(angle), 1 - r * math.cos(angle), 1)
 
@@ -54,16 +59,19 @@ def test_a_wrong_basin_is_not_a_false_claim_unless_optimality_is_claimed():
 
 
 def test_a_coarse_answer_is_not_a_wrong_basin():
-    """A path of the right shape, a little longer: a detour of the same net turn."""
+    """A coarse answer is not a wrong basin.
+
+    It is a path of the right shape, a little longer: a detour of the same net turn.
+    """
     straight = Scenario(0, 0, 0, 10, 0, 1)
     wave = Path(straight.start, [0.5, -0.5, 0.5], [0.5, 1.0, 0.5])
     end = wave.end
     reached = replace(straight, target_x=end.x, target_y=end.y)
     # its heading at the end is the one it began with
-    found = judge(reached, wave, Claim.LOCAL)
+    judgement = judge(reached, wave, Claim.LOCAL)
 
-    assert found.verdict is Verdict.LONGER
-    assert not found.wrong_basin
+    assert judgement.verdict is Verdict.LONGER
+    assert not judgement.wrong_basin
 
 
 @pytest.mark.parametrize(
@@ -83,12 +91,15 @@ def test_a_coarse_answer_is_not_a_wrong_basin():
     ],
 )
 def test_what_does_not_arrive(path, verdict):
-    """No path, too sharp a turn, broken numbers, backwards, nothing, and another start."""
-    found = judge(PROBLEM, path, Claim.LOCAL)
+    """Paths that do not arrive.
 
-    assert found.verdict is verdict
-    assert found.gap is None
-    assert found.false_claim
+    They are no path, too sharp a turn, broken numbers, backwards, nothing, and another start.
+    """
+    judgement = judge(PROBLEM, path, Claim.LOCAL)
+
+    assert judgement.verdict is verdict
+    assert judgement.gap is None
+    assert judgement.false_claim
 
 
 @pytest.mark.parametrize(
@@ -109,19 +120,23 @@ def test_curvature_that_a_branch_allows(branch, curvature, excess):
 def test_arcs_of_no_length_exceed_nothing():
     for lengths, excess in (([0, 1], 0), ([1, 1], 1)):
         path = Path(EDGES["ahead"].start, [-1, 1], lengths)
-        found = judge(EDGES["ahead"], path, branch="LS")
-        assert found.curvature_excess == pytest.approx(excess)
+        judgement = judge(EDGES["ahead"], path, branch="LS")
+        assert judgement.curvature_excess == pytest.approx(excess)
 
 
 def test_the_reference_is_relaxed_over_the_miss_near_a_circle():
-    """Just inside a circle, the optimum is 6.535; a miss of 1e-7 makes 0.300 honest.
+    """Near a circle the reference is relaxed.
+
+    It is relaxed over the miss. Just inside a circle, the optimum is 6.535; a miss of 1e-7 makes
+    0.300 honest.
 
     There LS does not exist, but the arc that misses answers it. Paths that arrive, a longer one
     too, are compared with the exact optimum.
     """
     inside = on_left_circle(0.3, inside=1e-7)
     arc = Path(inside.start, [1.0], [0.3])
-    exact, longer = judge(inside, shortest_path(inside)), judge(inside, shortest_path(inside, "RS"))
+    exact = judge(inside, shortest_path(inside))
+    longer = judge(inside, shortest_path(inside, "RS"))
     short, as_ls = judge(inside, arc), judge(inside, arc, branch="LS")
 
     assert exact.length == pytest.approx(6.535, abs=1e-3)
@@ -135,46 +150,59 @@ def test_the_reference_is_relaxed_over_the_miss_near_a_circle():
 
 
 def test_an_exact_answer_that_lands_across_the_circle_is_not_punished():
-    """The long path to a target 1e-9 inside, ended 2e-9 off on the outer side, is still right."""
+    """An exact answer across the circle is right.
+
+    The long path to a target 1e-9 inside ends 2e-9 off on the outer side.
+    """
     inside = on_left_circle(0.3, inside=1e-9)
     path = shortest_path(inside)
     nudged = Path(path.start, path.curvatures, path.lengths - [0, 3e-9])
 
-    found = judge(inside, nudged, Claim.LOCAL)
+    judgement = judge(inside, nudged, Claim.LOCAL)
 
-    assert found.miss > 1e-9
-    assert found.verdict is Verdict.OPTIMAL
-    assert found.reference > 6
+    assert judgement.miss > 1e-9
+    assert judgement.verdict is Verdict.OPTIMAL
+    assert judgement.reference > 6
 
 
 def test_near_the_rear_a_miss_explains_more():
-    """There the optimal length changes by 1 / cos(a / 2) = 48 times the target's shift."""
+    """Near the rear a miss explains more.
+
+    There the optimal length changes by 1 / cos(a / 2) = 48 times the target's shift.
+    """
     scenario = on_left_circle(3.10, inside=4e-9)
     short = on_left_circle(3.10, inside=1e-9)  # its target is 3e-9 away, its optimum 1e-7 shorter
     path = shortest_path(short)
     assert path is not None
 
-    found = judge(scenario, path)
+    judgement = judge(scenario, path)
 
     assert path.length < shortest_path(scenario).length
-    assert found.verdict is Verdict.OPTIMAL
+    assert judgement.verdict is Verdict.OPTIMAL
 
 
 def test_going_straight_first_does_not_answer_ls_inside_the_left_disc():
-    """One-sided turning arrives at the centre (straight 1, left 3 pi / 2), but not as LS."""
+    """Going straight first is not LS in the disc.
+
+    It is the left disc. One-sided turning arrives at the centre (straight 1, left 3 pi / 2), but
+    not as LS.
+    """
     centre = EDGES["centre of the left disc"]
     path = Path(centre.start, [0.0, 1.0], [1.0, 1.5 * math.pi])
 
-    found = judge(centre, path, Claim.LOCAL, "LS")
+    judgement = judge(centre, path, Claim.LOCAL, "LS")
 
-    assert found.miss < 1e-12
-    assert found.verdict is Verdict.MISSES
+    assert judgement.miss < 1e-12
+    assert judgement.verdict is Verdict.MISSES
     assert judge(centre, path, Claim.LOCAL).verdict is Verdict.LONGER
 
 
 @given(scenarios(), st.lists(st.tuples(st.floats(0, 1), st.floats(0, 3)), min_size=1, max_size=6))
 def test_one_sided_turning_is_never_shorter_than_ls(scenario, pieces):
-    """docs/derivation.md, section 8: any end that LS reaches at all, it reaches first."""
+    """One-sided turning is never shorter than LS.
+
+    docs/derivation.md, section 8: any end that LS reaches at all, it reaches first.
+    """
     radius = scenario.radius
     path = Path(
         scenario.start, [u / radius for u, _ in pieces], [length * radius for _, length in pieces]
@@ -197,7 +225,10 @@ def test_claims_of_infeasibility():
 
 
 def test_tolerances_decide():
-    """The same path is optimal or longer by the gap that is allowed."""
+    """Tolerances decide.
+
+    The same path is optimal or longer by the gap that is allowed.
+    """
     path = shortest_path(PROBLEM)
     stretched = Path(path.start, path.curvatures, path.lengths * [1, 1 + 5e-5])
     end = stretched.end
@@ -212,9 +243,15 @@ def test_tolerances_decide():
 
 @given(scenarios())
 def test_margin_is_the_distance_to_the_nearer_circle(scenario):
-    """Against the distance computed in the world frame."""
-    found = judge(scenario, None)
-    x, y, heading, radius = scenario.x, scenario.y, scenario.heading, scenario.radius
+    """Margin is the distance to the nearer circle.
+
+    It is compared with the distance computed in the world frame.
+    """
+    judgement = judge(scenario, None)
+    x = scenario.x
+    y = scenario.y
+    heading = scenario.heading
+    radius = scenario.radius
     centres = [
         (x - side * radius * math.sin(heading), y + side * radius * math.cos(heading))
         for side in (1, -1)
@@ -223,29 +260,36 @@ def test_margin_is_the_distance_to_the_nearer_circle(scenario):
 
     expected = min(abs(d / radius - 1) for d in distances)
     # coordinates up to 100 radii from the origin are rounded at 1e-14 radii
-    np.testing.assert_allclose(found.margin, expected, rtol=1e-9, atol=1e-12)
+    np.testing.assert_allclose(judgement.margin, expected, rtol=1e-9, atol=1e-12)
     if expected > 1e-9:
         inside = [d < radius for d in distances]
         place = {(1, 0): "left disc", (0, 1): "right disc", (0, 0): "outside"}
-        assert found.region == place[tuple(map(int, inside))]
+        assert judgement.region == place[tuple(map(int, inside))]
 
 
 def test_another_word_far_off_is_a_wrong_basin_though_it_turns_as_far():
-    """Found in review: RL beside the rear of a circle's front turns as LS does, a third longer."""
+    """Another word far off is a wrong basin.
+
+    It turns as far. Found in review: RL beside the rear of a circle's front turns as LS does, a
+    third longer.
+    """
     scenario = on_left_circle(2.8, inside=-1e-5)
     target = local(scenario)
     first, second, _, _ = right_left_pair(*target)
     path = as_path(scenario.start, scenario.radius, "RL", (first, second))
-    found = judge(scenario, path, Claim.LOCAL)
+    judgement = judge(scenario, path, Claim.LOCAL)
 
-    assert found.gap > 0.3
+    assert judgement.gap > 0.3
     assert abs(path.turn - 2.8) < 1
-    assert found.wrong_basin
+    assert judgement.wrong_basin
 
 
 def test_next_to_the_start_a_miss_reaches_the_circle_for_all_its_rounding():
-    """A path that ends inside, 5e-12 R off a target 2e-14 R inside, where delta is 1e-16 R: the
-    nearest point of the circle counts as a target that RS reaches, whatever its rounding."""
+    """Next to the start a miss reaches the circle.
+
+    A path ends inside, 5e-12 R off a target 2e-14 R inside, where delta is 1e-16 R. The nearest
+    point of the circle counts as a target that RS reaches, whatever its rounding.
+    """
     scenario = Scenario(
         *(0, 0, -2.809937325251296, 1.9494799770390372e-07, 7.027045308769248e-08),
         7.2433132805187565e-06,
@@ -255,45 +299,56 @@ def test_next_to_the_start_a_miss_reaches_the_circle_for_all_its_rounding():
     lengths = scenario.radius * np.array([5e-12, turn])
     path = Path(scenario.start, [0.0, -1 / scenario.radius], lengths)
 
-    found = judge(scenario, path, Claim.LOCAL, "RS")
+    judgement = judge(scenario, path, Claim.LOCAL, "RS")
 
-    assert 1e-12 < found.miss / scenario.radius < 1e-11
-    assert (found.verdict, found.false_claim) == (Verdict.OPTIMAL, False)
+    assert 1e-12 < judgement.miss / scenario.radius < 1e-11
+    assert (judgement.verdict, judgement.false_claim) == (Verdict.OPTIMAL, False)
 
 
 # frames against the scalar check; the adversary compares them row by row
 
 
 def test_the_closed_form_is_judged_optimal_without_the_scalar_check(monkeypatch):
-    """Ordinary rows take the quick way: the tolerance for what is not is one row in a hundred."""
+    """The closed form needs no scalar check.
+
+    It is judged optimal. Ordinary rows take the quick way: the tolerance for what is not is one
+    row in a hundred.
+    """
     calls = []
     monkeypatch.setattr(
         "dubins_study.study.judging.verdict_frame.judge",
         lambda *args: calls.append(1) or judge(*args),
     )
     paths = Analytic().solve_frame(HARD, "best").paths
-    found = judge_frame(HARD, paths, Claim.OPTIMAL)
+    judgements = judge_frame(HARD, paths, Claim.OPTIMAL)
 
-    assert (found.verdict == VERDICTS.index(Verdict.OPTIMAL)).all()
-    assert not found.false_claim.any()
+    assert (judgements.verdict == VERDICTS.index(Verdict.OPTIMAL)).all()
+    assert not judgements.false_claim.any()
     ordinary = (HARD["heading"].abs() < LARGEST_ANGLE).sum()
     assert len(calls) < N - ordinary + N / 100
 
 
 def test_a_longer_path_of_a_tie_is_in_the_right_basin():
-    """Straight behind, LS and RS tie: either word, coarsely driven, turns the right way."""
+    """A tie's longer path is no wrong basin.
+
+    Straight behind, LS and RS tie: either word, coarsely driven, turns the right way.
+    """
     behind = Scenario(0, 0, 0, -1, 0, 1)
     paths = [shortest_path(replace(behind, radius=1.1), word) for word in ("LS", "RS")]
     controls = (np.array([getattr(p, name) for p in paths]).T for name in ("curvatures", "lengths"))
-    found = judge_frame(scenario_frame([behind, behind]), Paths(*controls))
+    judgements = judge_frame(scenario_frame([behind, behind]), Paths(*controls))
 
-    assert [VERDICTS[code] for code in found.verdict] == [Verdict.LONGER] * 2
-    assert not found.wrong_basin.any()
+    assert [VERDICTS[code] for code in judgements.verdict] == [Verdict.LONGER] * 2
+    assert not judgements.wrong_basin.any()
     assert not any(judge(behind, path).wrong_basin for path in paths)
 
 
 def test_two_arcs_of_one_run_are_one_letter_in_a_frame_too():
-    """The second turns by too little to be named alone, and is long enough to be a straight."""
+    """Two arcs of one run are one letter.
+
+    That holds in a frame too. The second turns by too little to be named alone, and is long enough
+    to be a straight.
+    """
     scenario = Scenario(
         -0.002090161445753378,
         -0.0498766661720182,
@@ -316,7 +371,11 @@ DETOURS = (0.0, 1e-15, 1e-9, 1e-5, 2 * math.pi)
 
 @pytest.mark.parametrize("branch", POSE_BRANCHES)
 def test_a_frame_of_poses_says_of_each_row_what_the_check_says(branch):
-    """Of 600 legs at and next to the edges of words: the shortest path, longer ones, and none."""
+    """A frame of poses agrees with the check.
+
+    Of 600 legs at and next to the edges of words there are the shortest path, longer ones, and
+    none.
+    """
     n = 600
     frame = check_frame(hard_poses(n, seed=12))
     paths = Analytic().solve_frame(frame.copy(), branch).paths
@@ -333,15 +392,15 @@ def test_a_frame_of_poses_says_of_each_row_what_the_check_says(branch):
 
     for row, scenario in enumerate(scenarios_of(frame)):
         path = answers.path(row, scenario)
-        found = judge(scenario, path, CLAIMS[claims[row]], branch)
-        assert VERDICTS[rows.verdict[row]] is found.verdict, (row, scenario)
-        assert rows.false_claim[row] == found.false_claim, (row, scenario)
-        assert rows.wrong_basin[row] == found.wrong_basin, (row, scenario)
+        judgement = judge(scenario, path, CLAIMS[claims[row]], branch)
+        assert VERDICTS[rows.verdict[row]] is judgement.verdict, (row, scenario)
+        assert rows.false_claim[row] == judgement.false_claim, (row, scenario)
+        assert rows.wrong_basin[row] == judgement.wrong_basin, (row, scenario)
         for name in ("word", "reference_word"):
             code = int(getattr(rows, name)[row])
             text = None if code == NO_WORD else LEG_WORDS[code]
-            assert text == getattr(found, name), (row, scenario, name)
-        size = scenario.extent + scenario.radius + (found.length or 0.0)
+            assert text == getattr(judgement, name), (row, scenario, name)
+        size = scenario.extent + scenario.radius + (judgement.length or 0.0)
         # next to the edge of a word's reach lengths are known to a root of the rounding
         units = {
             "length": 1e-14 * size,
@@ -350,7 +409,7 @@ def test_a_frame_of_poses_says_of_each_row_what_the_check_says(branch):
             "reference": 1e-7 * size,
         }
         for name, allowed in units.items():
-            expected = getattr(found, name)
+            expected = getattr(judgement, name)
             value = float(getattr(rows, name)[row])
             if expected is None:
                 assert math.isnan(value), (row, scenario, name)
@@ -359,12 +418,18 @@ def test_a_frame_of_poses_says_of_each_row_what_the_check_says(branch):
 
 
 def unit(X: float, Y: float) -> Scenario:
-    """Target (X, Y) in the vehicle's frame, R = 1."""
+    """A target (X, Y) in the vehicle's frame.
+
+    R = 1.
+    """
     return Scenario(0, 0, 0, X, Y, 1)
 
 
 def test_the_length_jumps_across_the_front_of_a_circle():
-    """At arc angle 0.3: 0.300 on the circle and just outside, 6.535 just inside."""
+    """The length jumps across a circle's front.
+
+    At arc angle 0.3: 0.300 on the circle and just outside, 6.535 just inside.
+    """
     x, y = math.sin(0.3), math.cos(0.3)
     on = shortest(unit(x, 1 - y))
     outside = shortest(unit(x * (1 + 1e-9), 1 - y * (1 + 1e-9)))
@@ -377,7 +442,10 @@ def test_the_length_jumps_across_the_front_of_a_circle():
 
 
 def test_centre_of_a_disc_and_straight_behind():
-    """Lengths known to six digits; straight behind, the least is at D = 1 exactly."""
+    """A disc's centre and straight behind.
+
+    Lengths are known to six digits; straight behind, the least is at D = 1 exactly.
+    """
     centre = shortest(unit(0, 1))
     assert centre.total == pytest.approx(5.470430, abs=5e-7)
     assert centre.segments == pytest.approx((0.505361, 4.965069), abs=5e-7)
@@ -392,12 +460,15 @@ def test_centre_of_a_disc_and_straight_behind():
     [(0, 3e-16), (1e-16, -8e-16), (-1e-16, 2 + 4e-16), (-1e-16, 2 - 4e-16), (0, 2), (9e-16, 4e-16)],
 )
 def test_targets_that_rounding_hides_are_met(X, Y):
-    """Beside a far origin these are the start or (0, 2); every branch's path still arrives."""
+    """Targets that rounding hides are met.
+
+    Beside a far origin these are the start or (0, 2); every branch's path still arrives.
+    """
     for branch in BRANCHES:
         for target in (Local(X, Y, 4e-15), Local(X, -Y, 4e-15)):
-            found = shortest_local(target, branch)
-            if found is not None:
-                path = as_path(unit(0, 0).start, 1.0, found.word, found.segments)
+            optimum = shortest_local(target, branch)
+            if optimum is not None:
+                path = as_path(unit(0, 0).start, 1.0, optimum.word, optimum.segments)
                 off = math.hypot(path.end.x - target.X, path.end.y - target.Y)
                 # the root of a rounding of 4e-15 is 6e-8; the verdict allows 1e-6
                 assert off < 2e-7, (branch, target)

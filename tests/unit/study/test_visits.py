@@ -1,4 +1,7 @@
-"""Where a path visits points: against dense sampling, and at the edges of its arcs."""
+"""Visits of points by a path.
+
+They are compared with dense sampling, and tested at the edges of its arcs.
+"""
 
 import math
 
@@ -13,7 +16,10 @@ STRAIGHTS = (0.0, 1e-300, 1e-12, -1e-9, 1e-6)
 
 
 def random_path(rng: np.random.Generator, radius: float = 1.0) -> Path:
-    """Arcs of all curvatures, of no length and of more than a turn among them."""
+    """A path of all kinds of arcs.
+
+    There are all curvatures, arcs of no length and of more than a turn.
+    """
     n = int(rng.integers(1, 9))
     rates = rng.choice([-1.0, 1.0, 0.0, rng.uniform(-1, 1), *rng.choice(STRAIGHTS, 1)], n)
     lengths = rng.choice([0.0, 1e-7, 1.0], n, p=[0.1, 0.1, 0.8]) * rng.uniform(0, 8, n)
@@ -23,7 +29,10 @@ def random_path(rng: np.random.Generator, radius: float = 1.0) -> Path:
 
 @pytest.mark.parametrize("seed", range(300))
 def test_the_least_distance_is_that_of_dense_samples(seed):
-    """A point that is never reached: no sample is nearer, and one is as near."""
+    """The least distance is that of dense samples.
+
+    The point is never reached: no sample is nearer, and one is as near.
+    """
     rng = np.random.default_rng(seed)
     radius = 10.0 ** rng.uniform(-3, 3)
     path = random_path(rng, radius)
@@ -41,9 +50,14 @@ def test_the_least_distance_is_that_of_dense_samples(seed):
 
 
 def test_each_visit_is_the_earliest_after_the_one_before():
-    """On a circle driven twice, points on opposite sides alternate."""
+    """Each visit is the earliest possible.
+
+    It comes after the one before. On a circle driven twice, points on opposite sides alternate.
+    """
     path = Path(Pose(0, 0, 0), [1.0], [4 * math.pi])
-    right, top, left = Stop(1, 1, None), Stop(0, 2, None), Stop(-1, 1, None)
+    right = Stop(1, 1, None)
+    top = Stop(0, 2, None)
+    left = Stop(-1, 1, None)
     at = [0.5 * math.pi, math.pi, 1.5 * math.pi]
 
     assert visits(path, [right, top, left], 1, 1e-6).at == pytest.approx(at)
@@ -55,7 +69,10 @@ def test_each_visit_is_the_earliest_after_the_one_before():
 
 
 def test_what_is_near_is_not_cut_in_two():
-    """A point beside the joint of two arcs is visited where the second one is nearest to it."""
+    """A near stretch is not cut in two.
+
+    A point beside the joint of two arcs is visited where the second one is nearest to it.
+    """
     path = Path(Pose(0, 0, 0), [0.0, 1.0], [1.0, 2.0])
     x, y, heading = path.at(1 + 5e-7)[0]
     point = Stop(x - 2e-7 * math.sin(heading), y + 2e-7 * math.cos(heading), None)
@@ -84,9 +101,9 @@ def test_arcs_that_hardly_turn_keep_their_digits(curvature):
     ],
 )
 def test_misses_known_in_advance(arcs, point, miss):
-    found = visits(Path(Pose(0, 0, 0), *arcs), [Stop(*point, None)], 1, 1e-6).miss
+    places = visits(Path(Pose(0, 0, 0), *arcs), [Stop(*point, None)], 1, 1e-6).miss
 
-    assert found == pytest.approx(miss) or (math.isnan(miss) and not found <= 1e-6)
+    assert places == pytest.approx(miss) or (math.isnan(miss) and not places <= 1e-6)
 
 
 def test_legs_end_where_points_are_visited():
@@ -102,7 +119,10 @@ def test_legs_end_where_points_are_visited():
 
 @pytest.mark.parametrize("length", [3.0, 1e-9, 1e-14])
 def test_a_leg_however_short_keeps_its_word(length):
-    """A path on to a point that is next to the one before, driven straight."""
+    """A leg however short keeps its word.
+
+    A path goes on to a point that is next to the one before, driven straight.
+    """
     path = Path(Pose(0, 0, 0), [1.0, 0.0], [1.0, length])
 
     assert [leg.word() for leg in legs(path, (1.0,), 1)] == ["L", "S"]

@@ -1,4 +1,6 @@
-"""Each bound of a word of the route search, beside the least lengths that are found in its boxes.
+"""Bounds of the route search's words in boxes.
+
+Each stands beside the least lengths that are found in its box.
 
 The lengths come from circles and tangents that the package does not share. A bound has to hold for
 any multipliers, and with the right ones its error falls with the square of the box. A leg's bound
@@ -40,14 +42,20 @@ _ROUNDS = 40  # of a descent, each with 0.6 times the step before
 
 @numba.njit
 def arc(angle, gap):
-    """An arc's angle in [0, 2 pi); one that rounding has made negative stays so."""
+    """Angle of an arc in [0, 2 pi).
+
+    One that rounding has made negative stays so.
+    """
     angle -= _TWO_PI * math.floor(angle / _TWO_PI)
     return angle - _TWO_PI if angle > _TWO_PI - gap else angle
 
 
 @numba.njit
 def word_length(word, x, y, t1, t2):
-    """The word's length, infinite where it has no path; of LRL no outer arc is above the middle."""
+    """Length of the word.
+
+    Infinite where it has no path; of LRL no outer arc is above the middle.
+    """
     last = -1.0 if word == LSR else 1.0
     dx = x - last * math.sin(t2) + math.sin(t1)
     dy = y + last * math.cos(t2) - math.cos(t1)
@@ -66,14 +74,17 @@ def word_length(word, x, y, t1, t2):
         return math.inf
     off = math.acos(min(1.0, d / 4.0))  # between the way and that to the middle circle
     gap = 1e-14 + 1e-15 / max(off, 1e-8)
-    a, c = arc(way + off + _PI / 2 - t1, gap), arc(t2 - way + off - 1.5 * _PI, gap)
+    a = arc(way + off + _PI / 2 - t1, gap)
+    c = arc(t2 - way + off - 1.5 * _PI, gap)
     middle = _PI + 2.0 * off
     return math.inf if max(a, c) > middle + 1e-12 else a + middle + c
 
 
 @numba.njit
 def arrivals(word, x, y, t1, found):
-    """Final headings of paths from heading t1 of which a segment vanishes, or nearly all of them.
+    """Final headings of paths with a vanishing segment.
+
+    They begin with heading t1; a segment vanishes, or nearly all of them.
 
     Where circles touch, the last arc has no length, or the outer circles of LRL are 4 apart.
     """
@@ -102,7 +113,10 @@ def beside(angle, middle):
 
 @numba.njit
 def value_at(word, box, t1, t2):
-    """The length with the potential, at headings less the middles; infinite outside of the box."""
+    """Length with the potential.
+
+    It is at headings less the middles; infinite outside of the box.
+    """
     x, y, c1, h1, slope1, c2, h2, slope2 = box
     if abs(t1) > h1 or abs(t2) > h2:
         return math.inf
@@ -111,7 +125,10 @@ def value_at(word, box, t1, t2):
 
 @numba.njit
 def along_edges(word, box, t, forward, found):
-    """Headings less the middle, at the other end, for which a segment vanishes."""
+    """Headings at the other end with vanishing segments.
+
+    They are less the middle.
+    """
     x, y, c1, _, _, c2, _, _ = box
     if forward:
         n = arrivals(word, x, y, c1 + t, found)
@@ -127,7 +144,10 @@ def along_edges(word, box, t, forward, found):
 
 @numba.njit
 def single_arc_headings(x, y, kind):
-    """Headings at both ends of one of the four arcs through both points."""
+    """Headings at both ends of an arc.
+
+    It is one of the four arcs through both points.
+    """
     half = math.asin(min(1.0, 0.5 * math.hypot(x, y)))
     half = (half if kind < 2 else _PI - half) * (1.0 if kind % 2 else -1.0)
     way = math.atan2(y, x)
@@ -136,37 +156,51 @@ def single_arc_headings(x, y, kind):
 
 @numba.njit
 def least(word, box):
-    """The least length with the potential that is found in a box: on a grid, on edges, downhill."""
+    """Least length in a box, with the potential.
+
+    The search is on a grid, on edges, and downhill.
+    """
     h1, h2 = box[3], box[6]
-    best, t1, t2 = math.inf, 0.0, 0.0
+    best = math.inf
+    t1 = 0.0
+    t2 = 0.0
     for kind in range(4):
         a, b = single_arc_headings(box[0], box[1], kind)
         a, b = beside(a, box[2]), beside(b, box[5])
         value = value_at(word, box, a, b)
         if value < best:
-            best, t1, t2 = value, a, b
+            best = value
+            t1 = a
+            t2 = b
     found = np.empty(5)
     for place in range(_STEPS * _STEPS + 9 * _ROUNDS):
         # a grid at first, then ever smaller steps from the best headings
-        on_grid, step = place < _STEPS * _STEPS, (place - _STEPS * _STEPS) // 9
+        on_grid = place < _STEPS * _STEPS
+        step = (place - _STEPS * _STEPS) // 9
         if on_grid:
             near1 = h1 * (2.0 * (place % _STEPS) / (_STEPS - 1) - 1.0)
             near2 = h2 * (2.0 * (place // _STEPS) / (_STEPS - 1) - 1.0)
         else:
             if place % 9 == _STEPS * _STEPS % 9:
-                s1, s2, size = t1, t2, 0.6**step / _STEPS
+                s1 = t1
+                s2 = t2
+                size = 0.6**step / _STEPS
             near1 = min(max(s1 + (place % 3 - 1) * h1 * size, -h1), h1)
             near2 = min(max(s2 + (place // 3 % 3 - 1) * h2 * size, -h2), h2)
         value = value_at(word, box, near1, near2)
         if value < best:
-            best, t1, t2 = value, near1, near2
+            best = value
+            t1 = near1
+            t2 = near2
         for forward in (True, False):
             n = along_edges(word, box, near1 if forward else near2, forward, found)
             for i in range(n):
                 a, b = (near1, found[i]) if forward else (found[i], near2)
                 value = value_at(word, box, a, b)
                 if value < best:
-                    best, t1, t2 = value, a, b
+                    best = value
+                    t1 = a
+                    t2 = b
     return best
 
 
@@ -179,7 +213,10 @@ def all_least(word, boxes):
 
 
 def ends_of(word, t1, a, s, c):
-    """Where the words' paths from the origin end, and their final headings; arrays of one shape."""
+    """Ends of the words' paths and final headings.
+
+    The paths begin at the origin; the arrays have one shape.
+    """
     pose = np.zeros_like(a), np.zeros_like(a), t1
     for turn, length in ((1.0, a), (-1.0 if word == LRL else 0.0, s), (1 - 2 * (word == LSR), c)):
         pose = driven(pose, turn, length)
@@ -187,7 +224,10 @@ def ends_of(word, t1, a, s, c):
 
 
 def holding(rng, word, arcs, half, slope1, slope2):
-    """Boxes that hold the headings of paths, somewhere; all of one size, or of any with None."""
+    """Boxes that hold the headings of paths.
+
+    They lie somewhere in the box. All have one size, or any with None.
+    """
     n = arcs[0].size
     t1 = rng.uniform(-_PI, _PI, n)
     x, y, t2 = ends_of(word, t1, *arcs)
@@ -204,18 +244,28 @@ def holding(rng, word, arcs, half, slope1, slope2):
 
 
 def single_arc(rng, n, half):
-    """LSL of one arc, where both circles are one; flat for a costate that no S between beats."""
+    """LSL of one arc.
+
+    Both circles are one. It is flat for a costate that no S between beats.
+    """
     T = rng.uniform(0.2, 6.0, 20 * n)
-    rho, angle = rng.uniform(0.0, 3.0, 20 * n), rng.uniform(-_PI, _PI, 20 * n)  # of t1 = 0
+    # of t1 = 0
+    rho = rng.uniform(0.0, 3.0, 20 * n)
+    angle = rng.uniform(-_PI, _PI, 20 * n)
     along = np.linspace(0.0, 1.0, 200)[:, None] * T
     flat = np.flatnonzero((rho * np.cos(along - angle)).max(axis=0) < 1.0)[:n]
-    T, rho, angle = T[flat], rho[flat], angle[flat]
+    T = T[flat]
+    rho = rho[flat]
+    angle = angle[flat]
     slopes = 1.0 - rho * np.cos(angle), 1.0 - rho * np.cos(T - angle)
     return holding(rng, LSL, (T, 0 * T, 0 * T), half, *slopes)
 
 
 def touching(rng, n, half):
-    """LSR without S, flat with a multiplier of the circles' distance."""
+    """LSR without S.
+
+    It is flat with a multiplier of the circles' distance.
+    """
     a, c = rng.uniform(0.3, 5.9, (2, n))
     tau = rng.uniform(0.0, 3.0, n)
     slope1, slope2 = (1.0 - np.cos(x) + tau * np.sin(x) for x in (a, c))
@@ -223,8 +273,13 @@ def touching(rng, n, half):
 
 
 def single_arc_of_two(rng, n, half):
-    """LSR of one arc, the last one or the first; flat with multipliers of what vanishes."""
-    arc, mu, tau = rng.uniform(0.3, 5.9, n), rng.uniform(0.0, 3.0, n), rng.uniform(-2.0, 2.0, n)
+    """LSR of one arc.
+
+    It is the last one or the first. LSR is flat with multipliers of what vanishes.
+    """
+    arc = rng.uniform(0.3, 5.9, n)
+    mu = rng.uniform(0.0, 3.0, n)
+    tau = rng.uniform(-2.0, 2.0, n)
     flat = -0.5 * mu, 1.0 - (1.0 - 0.5 * mu) * np.cos(arc) + tau * np.sin(arc)
     last = rng.random(n) < 0.5
     arcs = np.where(last, 0.0, arc), 0.0 * arc, np.where(last, arc, 0.0)
@@ -237,7 +292,8 @@ def smooth(word):
         a, c = rng.uniform(0.1, 3.0, (2, n))
         s = rng.uniform(_PI + 0.3, _TWO_PI - 0.3, n) if word == LRL else rng.uniform(1.0, 9.0, n)
         if word == LRL:
-            a, c = a % (s / 2), c % (s / 2)
+            a = a % (s / 2)
+            c = c % (s / 2)
         pull = 0.0 if word != LRL else s / 2
         slope1, slope2 = (1.0 - np.cos(pull - x) / np.cos(pull) for x in (a, c))
         side = 1 if word != LSR else -1
@@ -247,7 +303,10 @@ def smooth(word):
 
 
 def vanishing_outer_arcs(rng, n, half):
-    """LRL without its first arc, its last, or both; flat with a multiplier for each of them."""
+    """LRL without its first arc, last, or both.
+
+    It is flat with a multiplier for each of them.
+    """
     s = rng.uniform(_PI + 0.3, _TWO_PI - 0.3, n)
     kind = rng.integers(3, size=n)
     a, c = (np.where(kind == i, rng.uniform(0.3, 3.0, n), 0.0) for i in (0, 1))
@@ -257,13 +316,15 @@ def vanishing_outer_arcs(rng, n, half):
 
     def outer(t1, t2):
         dx, dy = x - np.sin(t2) + np.sin(t1), y + np.cos(t2) - np.cos(t1)
-        way, off = np.arctan2(dy, dx), np.arccos(np.hypot(dx, dy) / 4.0)
+        way = np.arctan2(dy, dx)
+        off = np.arccos(np.hypot(dx, dy) / 4.0)
         return np.array([way + off - t1, t2 - way + off]), _PI + 2.0 * off
 
     step = 1e-6
     parts = []
     for d1, d2 in ((step, 0.0), (0.0, step)):
-        (up, middle_up), (down, middle_down) = outer(d1, t2 + d2), outer(-d1, t2 - d2)
+        up, middle_up = outer(d1, t2 + d2)
+        down, middle_down = outer(-d1, t2 - d2)
         off = np.remainder(up - down + _PI, _TWO_PI) - _PI
         rest = off.sum(axis=0) + middle_up - middle_down - mu1 * off[0] - mu2 * off[1]
         parts.append(rest / (2 * step))
@@ -287,7 +348,10 @@ _CSC, _LRL, _STRAIGHT, _TURNING, _APEX, _EDGE, _TOUCHING, _SHORT, _TRIANGLE = ra
 
 @numba.njit
 def part_bound(part, word, box, any1, any2, any3):
-    """One of `PARTS`, with multipliers from numbers in [0, 1); -infinite where it says nothing."""
+    """Bound of one of `PARTS`.
+
+    It has multipliers from numbers in [0, 1); -infinite where it says nothing.
+    """
     last = -1.0 if word == LSR else 1.0
     if part == _CSC:
         return csc_bound(box, last, math.inf)
@@ -346,8 +410,11 @@ FAMILIES = {
 
 @cache
 @cache
-def drawn(word, n):
-    """Boxes of all sizes about paths of the word, at its edges and elsewhere, and their lengths."""
+def random_boxes(word, n):
+    """Boxes of all sizes, and their lengths.
+
+    They lie about paths of the word, at its edges and elsewhere.
+    """
     rng = np.random.default_rng(n + word)
     boxes = np.concatenate([draw(rng, n, None) for draw in FAMILIES[word]])
     return boxes, all_least(word, boxes)
@@ -359,8 +426,11 @@ def drawn(word, n):
     ("part", "word"), [(part, word) for part, words in PARTS.items() for word in words]
 )
 def test_a_bound_is_above_no_length_in_its_box(part, word, n):
-    """Whatever the slopes are and, where a part is asked for alone, its multipliers."""
-    boxes, lengths = drawn(word, n)
+    """A bound is above no length in its box.
+
+    That holds whatever the slopes are and, where a part is asked for alone, its multipliers.
+    """
+    boxes, lengths = random_boxes(word, n)
     anything = np.random.default_rng(n).random((len(boxes), 3))
 
     bounds = part_bounds(list(PARTS).index(part), word, boxes, anything)
@@ -386,7 +456,11 @@ DECIDES = {
 @pytest.mark.slow
 @pytest.mark.parametrize("family", DECIDES)
 def test_a_bound_of_a_flat_box_is_loose_by_the_square_of_its_size(family):
-    """With the slopes of the path in it, and of the conditions that end there."""
+    """A flat box's bound is quadratically tight.
+
+    It is loose by the square of its size, with the slopes of the path in it, and of the conditions
+    that end there.
+    """
     n = 600  # two quantiles need no more
     draw, word, part, median, most = DECIDES[family]
     for half in (1e-2, 1e-3, 1e-4):
@@ -417,7 +491,10 @@ def bounds_of(boxes):
 
 
 def sampled(boxes):
-    """The least of the potential's lengths on a grid of headings in each box."""
+    """Least potential lengths on grids in boxes.
+
+    A grid is one of headings, in each box.
+    """
     share = np.linspace(-1.0, 1.0, STEPS)
     least = np.empty(len(boxes))
     for low in range(0, len(boxes), 500):
@@ -452,7 +529,10 @@ def anywhere(n, seed):
 
 
 def at_edges(n, seed):
-    """Boxes about paths of which one segment or two have no length: where lengths jump."""
+    """Boxes at which lengths jump.
+
+    They lie about paths of which one segment or two have no length.
+    """
     rng = np.random.default_rng(seed)
     a = rng.uniform(-math.pi, math.pi, n)
     pose = np.zeros(n), np.zeros(n), a
@@ -471,7 +551,10 @@ def at_edges(n, seed):
 @pytest.mark.parametrize("draw", [anywhere, at_edges])
 @pytest.mark.parametrize("n", [2_000, pytest.param(30_000, marks=pytest.mark.slow)])
 def test_a_bound_is_below_every_length_in_its_box(draw, n):
-    """With slopes of the potential and without, at distances from 0.05 R to 20 R."""
+    """A bound is below every length in its box.
+
+    It has slopes of the potential or none, at distances from 0.05 R to 20 R.
+    """
     boxes = draw(n, seed=n)
 
     margin = sampled(boxes) - bounds_of(boxes)
@@ -481,20 +564,25 @@ def test_a_bound_is_below_every_length_in_its_box(draw, n):
 
 
 def beside_arcs(n, seed):
-    """Boxes with a point on the turning circle of a given heading, beside the heading of the arc.
+    """Boxes with a point on a turning circle.
+
+    It is that of a given heading; the box is beside the heading of the arc.
 
     Also which circle it is. Every third arc is half a turn, every second leg driven backwards.
     """
     rng = np.random.default_rng(seed)
     arc = np.where(np.arange(n) % 3, rng.uniform(0.05, 6.2, n), math.pi)
-    left, back = rng.random(n) < 0.5, np.arange(n) % 2 == 1
-    side, way = np.where(left, 1.0, -1.0), np.where(back, -1.0, 1.0)
+    left = rng.random(n) < 0.5
+    back = np.arange(n) % 2 == 1
+    side = np.where(left, 1.0, -1.0)
+    way = np.where(back, -1.0, 1.0)
     # from a start at the origin; backwards its arcs end there
     x, y = way * np.sin(arc), side * (1.0 - np.cos(arc))
     heading = side * way * arc
     half = 10 ** rng.uniform(-4, -0.5, n)
     off = (half + 10 ** rng.uniform(-5, -1, n)) * rng.choice([-1.0, 1.0], n)
-    slopes, zero = rng.uniform(-2.5, 2.5, n), np.zeros(n)
+    slopes = rng.uniform(-2.5, 2.5, n)
+    zero = np.zeros(n)
     start, end = [zero, zero, zero], [heading + off, half, slopes]
     columns = [np.where(back, b, a) for a, b in zip(start + end, end + start, strict=True)]
     x, y = np.where(back, -x, x), np.where(back, -y, y)
@@ -507,10 +595,14 @@ def beside_arcs(n, seed):
 
 @pytest.mark.parametrize("n", [2_000, pytest.param(30_000, marks=pytest.mark.slow)])
 def test_a_bound_beside_an_arc_is_below_every_length(n):
-    """Where a point lies on a turning circle words are left out that no other heading has."""
+    """A bound beside an arc is below every length.
+
+    Where a point lies on a turning circle words are left out that no other heading has.
+    """
     boxes, apart = beside_arcs(n, seed=n)
 
-    lengths, bounds = sampled(boxes), bounds_apart(boxes, apart)
+    lengths = sampled(boxes)
+    bounds = bounds_apart(boxes, apart)
 
     # no box is nearer to the arc's heading than 1e-5, where rounding moves circles 4 apart by its
     # size, and the angles of the triangle with the third one 1e5 times as much

@@ -1,4 +1,7 @@
-"""benchopt's side: one data set a cell; how many is said by the environment."""
+"""benchopt's side: one data set a cell.
+
+The environment says how many there are.
+"""
 
 import os
 

@@ -1,4 +1,4 @@
-"""A plug-in of dubins-study: a solver in a package of its own."""
+"""A solver in a package of its own: a plug-in."""
 
 from honest_dubins.two_arcs import TwoArcs as TwoArcs
 

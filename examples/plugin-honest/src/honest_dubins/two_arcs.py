@@ -1,4 +1,7 @@
-"""Paths of two pieces, each the root of two equations in two unknowns."""
+"""Paths of two pieces by root finding.
+
+Each is the root of two equations in two unknowns.
+"""
 
 from __future__ import annotations
 
@@ -20,7 +23,9 @@ ARRIVES = 1e-9
 
 @dataclass(frozen=True)
 class TwoArcs(Solver):
-    """Both lengths of a word, by MINPACK's `hybr` on the end point, from a grid of guesses.
+    """Both lengths of a word by root finding.
+
+    MINPACK's `hybr` solves for the end point, from a grid of guesses.
 
     Args:
         guesses: of the first arc's angle, and of the second's.
@@ -40,12 +45,17 @@ class TwoArcs(Solver):
             raise ValueError(f"guesses is {self.guesses}; expected 1 or more")
 
     def solve(self, question: Question, limit: float) -> Solution:
-        """The shortest of all roots; LIMIT if not all guesses were tried in time."""
+        """The shortest of all roots.
+
+        LIMIT if not all guesses were tried in time.
+        """
         end = perf_counter() + limit
         words = WORDS if question.branch == "best" else (question.branch,)
-        best, claim, tried = None, Claim.LOCAL, 0
+        best = None
+        claim = Claim.LOCAL
+        trials = 0
         for path in (path for word in words for path in self.paths(question.scenario, word)):
-            tried += 1
+            trials += 1
             if path is not None and (best is None or path.length < best.length):
                 best = path
             if perf_counter() > end:
@@ -53,12 +63,16 @@ class TwoArcs(Solver):
                 break
         if best is None:
             claim = Claim.LIMIT if claim is Claim.LIMIT else Claim.FAILED
-            return Solution(claim, message=f"no root from {tried} guesses", evaluations=tried)
-        return Solution(claim, best, claimed_length=best.length, evaluations=tried)
+            return Solution(claim, message=f"no root from {trials} guesses", evaluations=trials)
+        return Solution(claim, best, claimed_length=best.length, evaluations=trials)
 
     def paths(self, scenario: Scenario, word: str) -> Iterator[Path | None]:
-        """For each guess the path of a word that arrives, or None."""
-        radius, start = scenario.radius, scenario.start
+        """Path of a word from each guess.
+
+        It is None where the path does not arrive.
+        """
+        radius = scenario.radius
+        start = scenario.start
         curvature = np.array([TURN[letter] for letter in word]) / radius
         target = np.array([scenario.target_x, scenario.target_y])
         distance = math.hypot(*(target - start[:2])) / radius

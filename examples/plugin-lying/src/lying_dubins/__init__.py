@@ -1,4 +1,4 @@
-"""A plug-in of dubins-study that lies, to try its conformance kit on."""
+"""A lying plug-in that tries the conformance kit."""
 
 from lying_dubins.lies import LIES as LIES
 from lying_dubins.lies import Lying as Lying

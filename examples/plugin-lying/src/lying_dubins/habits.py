@@ -1,4 +1,7 @@
-"""Right solvers with bad habits: what they do to their process, their time, their next answer."""
+"""Right solvers with bad habits.
+
+They harm their process, their time or their next answer.
+"""
 
 from __future__ import annotations
 
@@ -41,7 +44,8 @@ class Moves(Habit):
 class Tells(Habit):
     """Prints, and promises not to."""
 
-    name, keeps_limit = "tells", True
+    name = "tells"
+    keeps_limit = True
 
     def habit(self) -> None:
         print("iteration 1 of 1")
@@ -55,7 +59,7 @@ class Litters(Habit):
 
 
 class Shouts(Habit):
-    """Changes how numpy treats errors, for all who come after."""
+    """Changes how numpy treats errors, for everyone."""
 
     name = "shouts"
 
@@ -91,7 +95,8 @@ class Spawns(Habit):
 class Late(Habit):
     """Promises to keep its limit, and takes two seconds."""
 
-    name, keeps_limit = "late", True
+    name = "late"
+    keeps_limit = True
 
     def habit(self) -> None:
         time.sleep(2)
@@ -125,7 +130,10 @@ class Keeps(Habit):
 
 
 class KeepsSets(Habit):
-    """Keeps its answers by the set of the points, whatever their order."""
+    """Keeps its answers by the set of points.
+
+    Their order is ignored.
+    """
 
     name = "keeps-sets"
     takes = frozenset({"free final heading", "via points"})
@@ -163,7 +171,7 @@ class Unsure(Habit):
 
 
 class Breaks(Habit):
-    """Declares a word and a guarantee that there are not."""
+    """Declares an unknown word and an unknown guarantee."""
 
     name = "breaks"
     branches = ("best", "LSLS")

@@ -1,7 +1,7 @@
-"""A right solver whose answers are changed before they are returned: one lie each.
+"""A right solver with one lie each.
 
-No solver is wrong on purpose, but many are wrong like one of these. `lie` chooses; the conformance
-kit has to find it and say what to do.
+Its answers are changed before they are returned. No solver is wrong on purpose, but many are wrong
+like one of these. `lie` chooses; the conformance kit has to find it and say what to do.
 """
 
 from __future__ import annotations
@@ -21,7 +21,10 @@ _LIMIT = 60.0  # s; the lies about time are told elsewhere
 
 
 def honest(scenario: Scenario, branch: str = "best") -> Solution:
-    """The right answer; of a route, or to a final heading, that of the search."""
+    """The right answer.
+
+    For a route or a final heading it is that of the search.
+    """
     if scenario.via or scenario.final_heading is not None:
         return Solution(Claim.OPTIMAL, solve(scenario, branch=branch).path)
     return _HONEST.solve(Question(scenario, branch), _LIMIT)
@@ -48,7 +51,10 @@ def _controls(
 
 
 def _asked(change: Callable[[Scenario], Scenario]) -> Callable[[Question], Solution]:
-    """A lie that answers another question, from the right start."""
+    """A lie that answers another question.
+
+    The start is right.
+    """
 
     def tell(question: Question) -> Solution:
         answer = honest(change(question.scenario), question.branch)
@@ -61,7 +67,10 @@ def _asked(change: Callable[[Scenario], Scenario]) -> Callable[[Question], Solut
 
 
 def _answer(change: Callable[[Question, Solution], Solution]) -> Callable[[Question], Solution]:
-    """A lie that changes what is said of the right path."""
+    """A lie that changes the claim.
+
+    What is said of the right path is changed.
+    """
 
     def tell(question: Question) -> Solution:
         right = honest(question.scenario, question.branch)
@@ -89,7 +98,7 @@ def _turns(path: Path, factor: float) -> np.ndarray:
 
 
 def _flip_last(path: Path) -> np.ndarray:
-    """The curvatures, the last of two turns to the other side."""
+    """Curvatures with the last of two turns reversed."""
     flipped = path.curvatures.copy()
     if flipped.size == 2 and flipped.all():
         flipped[-1] = -flipped[-1]
@@ -97,7 +106,10 @@ def _flip_last(path: Path) -> np.ndarray:
 
 
 def _two_words(question: Question, _: Solution) -> Solution:
-    """The paper's claim: LS or RS is always the shortest."""
+    """LS or RS, whichever is shorter.
+
+    The paper claims that one of them is always the shortest.
+    """
     s = question.scenario
     paths = [answer.path for word in ("LS", "RS") if (answer := honest(s, word)).path is not None]
     return Solution(Claim.OPTIMAL, min(paths, key=lambda path: path.length))

@@ -1,4 +1,7 @@
-"""Plug-ins that want all the memory; each stops at 5 GiB, should nobody stop it."""
+"""Plug-ins that want all the memory.
+
+Each stops at 5 GiB, should nobody stop it.
+"""
 
 import os
 import time
@@ -11,7 +14,10 @@ GIB = 2**30
 
 
 class Greedy(Analytic):
-    """Answers the easy question that a worker asks first, so that its own turn comes."""
+    """Answers the warm-up question, then takes memory.
+
+    A worker asks an easy question first.
+    """
 
     def solve(self, model, limit):
         if model.scenario.label != "warm-up":
@@ -23,9 +29,9 @@ class Creeping(Greedy):
     """1 GiB a second, every page touched."""
 
     def take(self):
-        kept = []
+        memory = []
         for _ in range(5 * 16):
-            kept.append(np.ones(GIB // 16, np.uint8))
+            memory.append(np.ones(GIB // 16, np.uint8))
             time.sleep(1 / 16)
         os._exit(9)
 
@@ -34,12 +40,15 @@ class Sudden(Greedy):
     """All at once, in one call of C."""
 
     def take(self):
-        kept = np.ones(5 * GIB, np.uint8)
-        os._exit(int(kept[0]) + 8)
+        memory = np.ones(5 * GIB, np.uint8)
+        os._exit(int(memory[0]) + 8)
 
 
 class InChildren(Greedy):
-    """The worker stays small, and so does each of its children; together they do not."""
+    """Takes too much memory in its children.
+
+    The worker stays small, and so does each child; together they do not.
+    """
 
     def take(self):
         children = []
@@ -47,9 +56,9 @@ class InChildren(Greedy):
             child = os.fork()
             if child == 0:
                 os.setsid()
-                kept = np.ones(GIB, np.uint8)
+                memory = np.ones(GIB, np.uint8)
                 time.sleep(60)
-                os._exit(int(kept[0]))
+                os._exit(int(memory[0]))
             children.append(child)
         for child in children:
             os.waitpid(child, 0)
@@ -71,7 +80,10 @@ class OutOfMemory(Greedy):
 
 
 class Modest(Greedy):
-    """Takes half a GiB and gives it back: no reason to be stopped."""
+    """Takes half a GiB and gives it back.
+
+    That is no reason to be stopped.
+    """
 
     def take(self):
         np.ones(GIB // 2, np.uint8)

@@ -12,18 +12,27 @@ from dubins_study.solvers.analytic import Analytic
 
 
 def loop_in_c():
-    """A loop in C that holds the interpreter's lock and never looks for a signal."""
+    """Loop in C, deaf to signals.
+
+    It holds the interpreter's lock.
+    """
     deque(repeat(None), maxlen=0)
 
 
 def deaf():
-    """Let no signal but SIGKILL and SIGSTOP have an effect."""
+    """Ignore every signal but SIGKILL and SIGSTOP.
+
+    (Those two cannot be ignored.)
+    """
     for number in (signal.SIGTERM, signal.SIGINT, signal.SIGHUP, signal.SIGALRM, signal.SIGXCPU):
         signal.signal(number, signal.SIG_IGN)
 
 
 class Endless(Analytic):
-    """Answers the easy question that a worker asks first, so that its own turn comes."""
+    """Answers the warm-up question, then hangs.
+
+    A worker asks an easy question first.
+    """
 
     def solve(self, model, limit):
         if model.scenario.label == "warm-up":
@@ -32,7 +41,7 @@ class Endless(Analytic):
 
 
 class LoopInC(Endless):
-    """Its handlers, which would be Python, never come to run."""
+    """Handlers in Python that never run."""
 
     def hang(self):
         signal.signal(signal.SIGTERM, lambda *_: None)
@@ -54,7 +63,10 @@ class Stubborn(Endless):
 
 
 class Stopped(Endless):
-    """Stops itself, as Ctrl-Z would: it takes no signal but SIGKILL and SIGCONT."""
+    """Stops itself, as Ctrl-Z would.
+
+    It takes no signal but SIGKILL and SIGCONT.
+    """
 
     def hang(self):
         os.kill(os.getpid(), signal.SIGSTOP)
@@ -71,7 +83,10 @@ class OwnSession(Endless):
 
 @dataclass(frozen=True)
 class ForkTwo(Endless):
-    """Two children, one in a session of its own, that loop while it loops itself."""
+    """Loops, and so do its two children.
+
+    One child is in a session of its own.
+    """
 
     pids: str = ""
 
@@ -83,7 +98,7 @@ class ForkTwo(Endless):
 
 @dataclass(frozen=True)
 class ForkAndDie(Endless):
-    """Two children that loop, and a parent that crashes at once."""
+    """Crashes at once and leaves two looping children."""
 
     pids: str = ""
 
@@ -95,7 +110,10 @@ class ForkAndDie(Endless):
 
 @dataclass(frozen=True)
 class Daemon(Endless):
-    """A grandchild in its own session whose parent is gone, and an answer."""
+    """Answers, and leaves a grandchild behind.
+
+    The grandchild is in its own session, and its parent is gone.
+    """
 
     pids: str = ""
 
@@ -117,7 +135,7 @@ class Daemon(Endless):
 
 
 class LoopInWarmUp(Analytic):
-    """Never ends the first question that it is asked, and answers the others."""
+    """Never ends the first question; answers the others."""
 
     def solve(self, model, limit):
         if model.scenario.label == "warm-up":
@@ -140,7 +158,10 @@ class LoopInUnavailable(Analytic):
 
 
 def loop_in_two_children(file: str, ignore_signals: bool = False) -> None:
-    """Fork two children that loop, the second in a session of its own."""
+    """Fork two children that loop.
+
+    The second is in a session of its own.
+    """
     for own_session in (False, True):
         if os.fork() == 0:
             try:

@@ -47,7 +47,10 @@ globals().update({name: _solver(name, die) for name, die in DEATHS.items()})
 
 
 class SomeTimes(Analytic):
-    """Dies at every third question of the sweep, by the question and not by the count."""
+    """Dies at every third question of the sweep.
+
+    The question decides, not the count.
+    """
 
     def solve(self, model, limit):
         if model.scenario.label != "warm-up" and round(model.scenario.target_x * 1000) % 3 == 0:

@@ -1,4 +1,7 @@
-"""Plug-ins that change what a process shares, and a witness that tells what reached it."""
+"""Plug-ins that change what a process shares.
+
+A witness tells what reached it.
+"""
 
 import atexit
 import gc
@@ -43,7 +46,10 @@ def _seeded():
 
 
 def _unprintable():
-    """Whether stdout is gone, or leads to the file that a solver opened."""
+    """Whether stdout is gone or was redirected.
+
+    Redirected means that it leads to the file that a solver opened.
+    """
     try:
         return os.fstat(1).st_rdev == Path("/dev/zero").stat().st_rdev
     except OSError:
@@ -114,8 +120,8 @@ class Witness(Analytic):
 
     def solve(self, model, limit):
         solution = super().solve(model, limit)
-        found = [name for name, (_, changed) in STATES.items() if changed()]
-        return replace(solution, message=" ".join(found))
+        changes = [name for name, (_, changed) in STATES.items() if changed()]
+        return replace(solution, message=" ".join(changes))
 
 
 class HangsAtExit(Analytic):
@@ -139,7 +145,10 @@ class ClosesStandard(Analytic):
 
 
 class ClosesAll(Analytic):
-    """Closes all that is open above: the way back to whoever asked, too."""
+    """Closes all open files above, and so its pipe.
+
+    The pipe is the way back to whoever asked.
+    """
 
     def solve(self, model, limit):
         os.closerange(3, 4096)
@@ -147,7 +156,10 @@ class ClosesAll(Analytic):
 
 
 class Floods(Analytic):
-    """A quarter of a GB on stdout and stderr, in Python and in C."""
+    """Writes a quarter of a GB to both streams.
+
+    They are stdout and stderr, in Python and in C.
+    """
 
     def solve(self, model, limit):
         line = "flood " * 2**17 + "\n"

@@ -1,4 +1,7 @@
-"""Plug-ins that do as they promise, slowly or quickly, and tell what they notice."""
+"""Plug-ins that keep their promises.
+
+They are slow or quick, and tell what they notice.
+"""
 
 import os
 import time
@@ -10,14 +13,20 @@ from dubins_study.solvers.analytic import Analytic
 
 
 class Honest(Analytic):
-    """The closed form under another name: right at once, the same every time."""
+    """The closed form under another name.
+
+    It is right at once, the same every time.
+    """
 
     name: ClassVar[str] = "honest"
 
 
 @dataclass(frozen=True)
 class Napping(Honest):
-    """Right after a nap; appends a line with its process id to a file when it begins."""
+    """Answer right after a nap.
+
+    It appends a line with its process id to a file when it begins.
+    """
 
     name: ClassVar[str] = "napping"
     nap: float = 0.05

@@ -1,4 +1,4 @@
-"""Plug-ins for `test_limits`: what a solver may do to the process that asks it."""
+"""Plug-ins for `test_limits` that harm their process."""
 
 import ctypes
 import os
@@ -11,7 +11,10 @@ from dubins_study.solvers.analytic import Analytic
 
 @dataclass(frozen=True)
 class Base(Analytic):
-    """Answers with the closed form; no plug-in inherits its promise."""
+    """Answers with the closed form.
+
+    No plug-in inherits its promise.
+    """
 
     name = "base"
     solve_frame = None
@@ -21,7 +24,10 @@ class Base(Analytic):
 
 
 class Sleeps(Base):
-    """As a library that holds the interpreter's lock and looks at no time."""
+    """Sleeps with the interpreter's lock.
+
+    It behaves like a library that looks at no time.
+    """
 
     def solve(self, model, limit):
         ctypes.PyDLL(None).sleep(1000)
@@ -39,7 +45,10 @@ class Dies(Base):
 
 
 class Repeats(Base):
-    """Its answer is the initial guess; the message names the process."""
+    """Answers with the initial guess.
+
+    The message names the process.
+    """
 
     warm = True
 
@@ -62,7 +71,7 @@ class Moody(Repeats):
 
 
 class Asks(Base):
-    """Asks other solvers, which are asked in workers of their own."""
+    """Asks other solvers in workers of their own."""
 
     def solve(self, model, limit):
         spec = f"{__file__}:Spins"
