@@ -90,3 +90,15 @@ def test_the_check_never_raises(scenario, pieces, in_radii, branch, bound, exact
         checks_of_frames(table, [judged("extreme", scenario, branch, path, Claim.OPTIMAL, bound)])
 
     assert table.wrong == 0, str(table)
+
+
+@pytest.mark.parametrize("heading", [2e9, -1e12, 1e16, -1e150])
+def test_a_frame_knows_the_region_for_a_huge_heading(heading):
+    """The target is on no circle and no word is found: nothing else computes the row anew."""
+    scenario = Scenario(0.0, 0.0, heading, 0.0, -1.0, 1.0)
+    table = Table()
+    for branch in BRANCHES:
+        one = judged("huge heading", scenario, branch, None, Claim.OPTIMAL, None)
+        checks_of_frames(table, [one])
+
+    assert table.wrong == 0, str(table)

@@ -172,6 +172,7 @@ class General(Enum):
     POOLED = auto()  # counted together: without studies of variants and of extreme questions
     COMPARED = auto()  # attempts at questions on which solvers are compared
     BENCHMARKED = auto()  # those of all suites of a benchmark, counted together
+    FOUND = auto()  # those of the suites that findings are of
     DECIDED = auto()  # those of benchmarks, else those compared, else all
 
 

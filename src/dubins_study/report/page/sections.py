@@ -127,12 +127,15 @@ def _of_kinds(keys: Mapping[str, str | None]) -> dict[General, set[str]]:
 
     every = set(keys)
     suites: set[str] = set()
+    found: set[str] = set()
     if BENCHMARK in keys.values():
         of_suites = {BENCHMARK, *admitted[General.BENCHMARKED]}
         suites = {name for name, key in keys.items() if key in of_suites}
+        found = suites | {name for name, key in keys.items() if key in admitted[General.FOUND]}
     return {
         General.EVERY: every,
         General.BENCHMARKED: suites,
+        General.FOUND: found,
         General.COMPARED: entering(General.COMPARED),
         # studies alone are pooled
         General.POOLED: entering(General.POOLED) or suites or every,

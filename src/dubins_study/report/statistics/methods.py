@@ -272,8 +272,9 @@ def once(compute: Callable[[Rows], T]) -> Callable[[Rows], T]:
     return look_up
 
 
-# Columns that no comparison reads: every selection of rows would copy them.
-_UNREAD = [column.name for column in ROW if column.detail]
+# Columns that no comparison reads: every selection of rows would copy them. Tours need three.
+_OF_TOURS = {"native_status", "message", "visit_order"}
+_UNREAD = [column.name for column in ROW if column.detail and column.name not in _OF_TOURS]
 
 
 @once

@@ -157,7 +157,11 @@ def _table(attempts: Compared, rows: pd.DataFrame, *, few: bool, each: bool) -> 
     equal = rows[rows["solver"].map(_equal)]
     stop = stops(rows, attempts.strata) | stops(equal, attempts.strata)
     ended = ends(rows) | ends(equal)
-    experiments = list(dict.fromkeys(rows["experiment"]))
+    first_seen = list(dict.fromkeys(rows["experiment"].str.partition(",")[0]))
+    experiments = sorted(
+        rows["experiment"].unique(),
+        key=lambda name: (first_seen.index(name.partition(",")[0]), name),
+    )
     best = best_supported(rows).reset_index()
     best["knows"] = best["solver"].map(rows.groupby("solver")["knows"].first())
     best["place"] = best["experiment"].map(experiments.index)

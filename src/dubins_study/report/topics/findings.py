@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from itertools import product
 
 import numpy as np
 import pandas as pd
@@ -28,6 +29,7 @@ from dubins_study.report.topics.findings_evidence import (
 )
 from dubins_study.report.topics.findings_routes import growth, proof_of_routes, where_engines_stop
 from dubins_study.report.topics.findings_tours import grid_optima
+from dubins_study.report.topics.tours import TOURS
 from dubins_study.study.kinds.table import BRANCHES_WITHOUT_PATH
 
 WORDS = "one NLP a word"
@@ -260,25 +262,30 @@ def _findings(results: Results) -> list[Finding]:
     """The findings of each experiment.
 
     A finding names its experiment where there are several. Their intervals are corrected for all
-    that could be found: each of `FINDINGS` in each experiment. Not of frozen problems, which have a
-    section of their own.
+    that could be found: each of `FINDINGS` in each experiment, and of tours `grid_optima` alone.
+    Not of frozen problems, which have a section of their own.
     """
     paths = results.attempts[~results.attempts["branch"].isin(BRANCHES_WITHOUT_PATH)]
     asked = set(paths["experiment"])
     names = dict.fromkeys(run.name for run in results.folders if run.name in asked)
+    tours = {run.name for run in results.folders if run.section == TOURS}
+    possible = [
+        (find, name)
+        for find, name in product(FINDINGS, names)
+        if (find is grid_optima) == (name in tours)
+    ]
     suites: dict[str, Evidence] = {}
     for name in names:
         attempts = compared(results.only({name}))
         if attempts is not None:
-            suites[name] = Evidence(attempts, len(FINDINGS) * len(names), results.settings)
+            suites[name] = Evidence(attempts, len(possible), results.settings)
     every = []
-    for find in FINDINGS:
-        for name, evidence in suites.items():
-            finding = find(evidence)
-            if finding is not None:
-                several = f": {name}" if len(names) > 1 else ""
-                title = finding.shown_in.partition(":")[0]
-                every.append(finding._replace(shown_in=f"{title}{several}"))
+    for find, name in possible:
+        finding = find(suites[name]) if name in suites else None
+        if finding is not None:
+            several = f": {name}" if len(names) > 1 else ""
+            title = finding.shown_in.partition(":")[0]
+            every.append(finding._replace(shown_in=f"{title}{several}"))
     return every
 
 
@@ -296,4 +303,4 @@ def _table(findings: list[Finding]) -> Table:
     return Table("findings", caption, pd.DataFrame(findings), shown, stacked=True)
 
 
-TOPIC = Topic("what the study found", findings_section, General.BENCHMARKED, place=Place.FRONT)
+TOPIC = Topic("what the study found", findings_section, General.FOUND, place=Place.FRONT)

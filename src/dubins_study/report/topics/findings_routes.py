@@ -215,14 +215,16 @@ def growth(evidence: Evidence) -> Finding | None:
     if power.questions < ENOUGH or not powers[least].high < power.low:
         return None
 
+    def name_of(solver: str) -> str:
+        return "the search with a proof" if solver == EXACT else evidence.name(solver)
+
     def named(solver: str) -> str:
         """A solver's name with two median times.
 
         The times are at the least and at the largest size.
         """
-        solver_rows = answered[solver].groupby("legs")["wall_s"].median()
-        name = "the search with a proof" if solver == EXACT else evidence.name(solver)
-        return f"{name} ({seconds(solver_rows.iloc[0])} to {seconds(solver_rows.iloc[-1])})"
+        times = answered[solver].groupby("legs")["wall_s"].median()
+        return f"{name_of(solver)} ({seconds(times.iloc[0])} to {seconds(times.iloc[-1])})"
 
     def doubled(solver: str) -> str:
         """The factor for twice as many legs, with interval."""
@@ -234,7 +236,7 @@ def growth(evidence: Evidence) -> Finding | None:
     if EXACT in powers and EXACT not in (least, most):
         others.append(f"{named(EXACT)} by {doubled(EXACT)}")
     return Finding(
-        f"Plan for more legs: twice as many multiply the time of {evidence.name(most)} by "
+        f"Plan for more legs: twice as many multiply the time of {name_of(most)} by "
         f"{doubled(most)}.",
         power,
         f"{some(power.questions, 'route')} with {label}, of {rows['legs'].min()} to {largest} "

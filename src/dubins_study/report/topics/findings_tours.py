@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dubins_study.report.elements.formats import share, some
+from dubins_study.report.elements.formats import count, share, some
 from dubins_study.report.topics.findings_evidence import Evidence, Finding
 from dubins_study.report.topics.tours import (
     BEST_OF_GRID,
@@ -14,7 +14,7 @@ from dubins_study.report.topics.tours import (
 
 
 def grid_optima(evidence: Evidence) -> Finding | None:
-    """How many proved optima of a grid of headings are longer than the proved tour.
+    """How many proved optima of a grid of headings have another order than the proved tour.
 
     Of the grid whose optima were proved on most tours.
     """
@@ -27,17 +27,18 @@ def grid_optima(evidence: Evidence) -> Finding | None:
         return None
     kind = grids["kind"].mode().iloc[0]
     optima = grids[grids["kind"] == kind].set_index("question")
-    longer = optima["verdict"].eq("longer")
-    refuted = evidence.share_of(longer.astype(float))
-    if refuted is None or not longer.any():
+    other_order = evidence.share_of(optima["other_order"].astype(float))
+    if other_order is None or not optima["other_order"].any():
         return None
+    longer = optima["verdict"].eq("longer")
     headings = kind.removeprefix(BEST_OF_GRID)
     return Finding(
-        "Do not take the optimum of a grid for the shortest tour: with"
-        f"{headings} a point, {refuted.percent_text()} are longer.",
-        refuted,
-        f"{some(refuted.questions, 'tour')} of which the grid's optimum and the shortest tour are "
-        f"both proved; where it is longer, by {share(optima.loc[longer, 'gap'].median())} at the "
-        f"median; {some(int(optima['other_order'].sum()), 'tour')} in another order",
+        "Do not take the order from the optimum of a grid: with"
+        f"{headings} a point, {other_order.percent_text()} of the optima pass the points in "
+        "another order than the shortest tour.",
+        other_order,
+        f"{some(other_order.questions, 'tour')} of which the grid's optimum and the shortest tour "
+        f"are both proved; {count(longer.sum())} optima are longer, by "
+        f"{share(optima.loc[longer, 'gap'].median())} at the median",
         TITLE,
     )

@@ -16,6 +16,7 @@ from dubins_study.report.data.attempts import EXACT, TRIAL, is_true, legs_of
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.columns import SOLVER, Column, columns
 from dubins_study.report.elements.content import (
+    General,
     Picture,
     Section,
     Table,
@@ -33,6 +34,7 @@ from dubins_study.report.topics.routes import by_size, palette_of, plot_sizes, u
 from dubins_study.study.words import Claim
 
 TITLE = "Tours: the order free"
+TOURS = "tours"  # the key of their experiments
 # The largest median gap of each class -> its mark, from light to dark.
 GAPS = {
     1e-6: Mark("up to 1e-6", colour="#eef4f9"),
@@ -334,4 +336,4 @@ def _compared(frame: pd.DataFrame) -> Table:
     return Table("tours-compared", caption, frame, shown)
 
 
-TOPIC = Topic("tours", tours_section, "tours")
+TOPIC = Topic("tours", tours_section, TOURS, (General.FOUND,))

@@ -297,6 +297,7 @@ def _describe(begin: int, end: int, legs: PoseArrays, result: FrameJudgement) ->
             region[i], margin[i] = _region_and_margin(X, Y, 0.0)
             side = abs(Y)
             near += min(abs(side * (2.0 - side) - X * X), side) <= four_delta
+            near += abs(heading[i]) > LARGEST_ANGLE
         for i in range(low, high if near else low):  # the last ulp decides
             X, Y, delta = to_local_exactly(x[i], y[i], heading[i], tx[i], ty[i], radius[i])
             region[i], margin[i] = _region_and_margin(X, Y, delta)
