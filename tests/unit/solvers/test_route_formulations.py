@@ -216,7 +216,7 @@ def test_the_program_of_known_words_is_the_joint_one_without_the_other_arcs(scen
     places = joint.word_places(route, known)
     program, everything = joint.program(route, places), joint.program(route)
     point = joint.words_guess(route, known)
-    functions, x = program.functions, joint._kept(point, places)
+    functions, x = program.functions, joint._unknowns_of(point, places)
 
     if scenario.final_heading is not None:  # else the last arc is left out
         assert np.abs(functions.equations(x)).max() < 1e-12
@@ -321,7 +321,8 @@ def test_engines_of_sparse_programs_are_given_no_whole_matrix(engine):
     route = route_of(scenario)
     known = best_of_grid(scenario, 24)
     places = joint.word_places(route, known)
-    program, guess = joint.program(route, places), joint._kept(joint.words_guess(route), places)
+    program = joint.program(route, places)
+    guess = joint._unknowns_of(joint.words_guess(route), places)
     functions = program.functions._replace(jacobian=None, hessian=None)
 
     result = ENGINES[engine].load()(1e-6)(replace(program, written=functions), guess, 20.0)

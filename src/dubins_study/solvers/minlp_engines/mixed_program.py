@@ -112,8 +112,9 @@ class ProvenResult(NamedTuple):
 
     def counted(self, iterations: int | None, evaluations: int | None = None) -> EngineResult:
         """The result as an `EngineResult` with the given counts."""
+        x = np.empty(0) if self.x is None else self.x
         return EngineResult(
-            np.empty(0) if self.x is None else self.x,
+            x,
             self.claim,
             iterations=iterations,
             evaluations=evaluations,
