@@ -77,7 +77,7 @@ def _guess(scenario: Scenario, order: str) -> tuple[float, ...]:
     It is in the scenario's unit.
     """
     case = case_of(order, local(scenario))
-    points = initial_guesses(Question(scenario), case, "bearing", 0, 1)
+    points = initial_guesses(Question(scenario), case, "bearing", seed=0, count=1)
     return tuple(abs(float(length)) * scenario.radius for length in next(points))  # abs: no -0.0
 
 

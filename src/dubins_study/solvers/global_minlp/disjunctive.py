@@ -194,7 +194,7 @@ class Disjunctive(EngineSolver):
         )
 
     def _run(self, model: PosedDisjunction, feastol: float, seconds: float) -> Run[Point | None]:
-        settings = Settings(self.gap * _SHARE, feastol, self.emphasis == "lean")
+        settings = Settings(gap=self.gap * _SHARE, feastol=feastol, lean=self.emphasis == "lean")
         began = perf_counter()
         proven: ProvenResult = self.library.load()(settings)(model.translated.program, seconds)
         seconds = perf_counter() - began
@@ -315,5 +315,6 @@ def _met(model: PosedDisjunction, point: Point) -> tuple[str, Met]:
     elements = Elements(np.ravel(turns) * length, length)
     elements, off, *_ = closed(elements, RATES["best"], course, equal=False)
     path = path_of(scenario, elements.rate.tolist(), elements.length.tolist())
-    meets = off <= close_enough(course)
-    return " ".join(point.words), Met(path, length=elements.total, miss=off, meets=meets)
+    return " ".join(point.words), Met(
+        path, length=elements.total, miss=off, meets=off <= close_enough(course)
+    )

@@ -127,7 +127,7 @@ class GlobalNlp(EngineSolver):
         if there := at_start(question.scenario, target):
             return replace(there, claim=Claim.OPTIMAL, lower_bound=0.0) if covers else there
         solve: MinlpCall = self.library.load()(
-            Settings(self.gap, self.feastol, self.emphasis == "lean")
+            Settings(gap=self.gap, feastol=self.feastol, lean=self.emphasis == "lean")
         )
         runs: list[Run[FloatArray]] = []
         for case, posed in zip(cases, model.programs, strict=True):

@@ -101,7 +101,7 @@ class Shooting(Solver):
         structure = _structure(case)
         free = list(case.subproblem.free)
         seed = self.seed + question.repeat
-        points = initial_guesses(question, case, self.initial_guess, seed, self.count)
+        points = initial_guesses(question, case, self.initial_guess, seed=seed, count=self.count)
         for z in points:
             heading = structure.pieces(*z[free])[1].heading
             nu = 1.0, -math.cos(heading), -math.sin(heading)

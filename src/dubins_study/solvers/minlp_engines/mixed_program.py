@@ -108,7 +108,7 @@ class ProvenResult(NamedTuple):
     nodes: int | None
     iterations: int | None  # of linear programs
     status: str
-    message: str
+    message: str = ""
 
     def counted(self, iterations: int | None, evaluations: int | None = None) -> EngineResult:
         """The result as an `EngineResult` with the given counts."""

@@ -80,8 +80,7 @@ class TurnRateQp(Transcription):
 
     @property
     def method(self) -> Method:
-        label = self.library.label
-        return Method("turn rates", label, self.initial_guess, self.tolerance)
+        return Method("turn rates", self.library.label, self.initial_guess, self.tolerance)
 
     def template(self, course: Course) -> Template:
         qp = template(self.n, course.legs, course.last is not None, self.engine)

@@ -125,7 +125,7 @@ class PaperNlp(EngineSolver):
         both = len(leg.cases) > 1
 
         def guesses(case: Case) -> Iterator[FloatArray]:
-            return initial_guesses(question, case, kind, seed, self.count, both=both)
+            return initial_guesses(question, case, kind, seed=seed, count=self.count, both=both)
 
         return searched(leg, kind, guesses, model.adapter, limit)
 

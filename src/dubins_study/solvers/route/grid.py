@@ -70,7 +70,7 @@ class HeadingMilp(EngineSolver):
             return there
         scenario = graph.question.scenario
         began = perf_counter()
-        proven = solved(self, program, Settings(self.gap, FEASIBILITY), limit)
+        proven = solved(self, program, Settings(gap=self.gap, feastol=FEASIBILITY), limit)
         result = proven.counted(iterations=proven.iterations, evaluations=proven.nodes)
         run = Run("grid", perf_counter() - began, result, result.x, bound=proven.bound)
         end = tour_run(graph, proven)

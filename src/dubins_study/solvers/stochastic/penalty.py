@@ -122,7 +122,9 @@ class Penalty(SearchSolver):
         random = np.random.default_rng((seed, number))
         guesses: list[FloatArray | None] = [None]
         if self.guided:
-            guesses = list(initial_guesses(question, case, self.initial_guess, seed, self.count))
+            guesses = list(
+                initial_guesses(question, case, self.initial_guess, seed=seed, count=self.count)
+            )
         for guess in guesses:
             at = guess
             weight = self.weight

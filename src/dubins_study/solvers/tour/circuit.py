@@ -87,7 +87,6 @@ class TourCircuit(EngineSolver):
             nodes=int(engine.num_branches),
             iterations=None,
             status=status,
-            message="",
         )
         end = tour_run(graph, result)
         return answered(graph, end, perf_counter() - began, self.polish)

@@ -93,7 +93,7 @@ class TourMilp(EngineSolver):
             return there
         began = perf_counter()
         seed = self.seed + graph.question.repeat
-        settings = Settings(self.gap, FEASIBILITY, seed=seed)
+        settings = Settings(gap=self.gap, feastol=FEASIBILITY, seed=seed)
         result = solved(self, program, settings, limit)
         bound = result.bound
         nodes = [result.nodes]

@@ -64,7 +64,6 @@ def _highs(program: LinearProgram, settings: Settings, seconds: float) -> Proven
         nodes=max(int(info.mip_node_count), 0),
         iterations=max(int(info.simplex_iteration_count), 0),
         status=status,
-        message="",
     )
 
 
@@ -102,7 +101,6 @@ def _cbc(program: LinearProgram, settings: Settings, seconds: float) -> ProvenRe
         nodes=max(int(solver.nodes()), 0),
         iterations=max(int(solver.iterations()), 0),
         status=status,
-        message="",
     )
 
 
@@ -167,7 +165,6 @@ def _glpk(program: LinearProgram, settings: Settings, seconds: float) -> ProvenR
         nodes=None,
         iterations=None,
         status=status,
-        message="",
     )
 
 
