@@ -207,9 +207,9 @@ class Disjunctive(EngineSolver):
         # Node bounds come from linear programs solved to the tolerance, not exactly.
         bound = max(0.0, run.bound - feastol * (1 + abs(run.bound)))
         # only `_claim` makes the claim that a path is optimal
-        claim = Claim.FEASIBLE if run.claim is Claim.OPTIMAL else run.claim
+        engine_claim = Claim.FEASIBLE if run.claim is Claim.OPTIMAL else run.claim
         solution = Solution(
-            claim,
+            engine_claim,
             lower_bound=bound * scenario.radius,
             iterations=run.result.iterations,
             native_status=run.result.status,
