@@ -97,12 +97,13 @@ class Answer(Spent, Times, Certificate, Judgement, Reported):
         in_any_order = " in any order" if scenario.order is Order.FREE else ""
         via = f" via {len(scenario.via)} points{in_any_order}" if scenario.via else ""
         word = None if self.word is None else short_word(self.word, 16)
+        region = [] if self.margin is None else [f"region {self.region}, margin {self.margin:g}"]
         lines = (
             f"length {self.length}, travel time {self.travel_time}, word {word}",
             f"verdict {self.verdict}, proof {self.proof}, claim {self.claim}",
             f"from ({pose}){via} to {target}, radius {scenario.radius:g}, speed {scenario.speed:g}",
             f"gap {self.gap}, miss {self.miss}",
-            *([] if self.margin is None else [f"region {self.region}, margin {self.margin:g}"]),
+            *region,
             f"build {self.build_s} s, solve {self.solve_s} s",
             f"message {plain(self.message)}",
             f"solver {self.solver}, branch {self.branch}, outcome {self.outcome}",
@@ -204,8 +205,8 @@ def check_request(branch: str, limit: float, limit_name: str = "limit") -> None:
     A time limit is a finite number of seconds above 0.
     """
     if not isinstance(branch, str) or branch not in EVERY_BRANCH:
-        known = f"{did_you_mean(branch, PATH_BRANCHES)}choose one of: {', '.join(PATH_BRANCHES)}"
-        raise QuestionError(f"no branch named {short(branch)}; {known}")
+        choice = f"{did_you_mean(branch, PATH_BRANCHES)}choose one of: {', '.join(PATH_BRANCHES)}"
+        raise QuestionError(f"no branch named {short(branch)}; {choice}")
     try:
         seconds = real_number(limit)
     except Exception:  # `float` of a value of any type may raise anything
@@ -244,7 +245,9 @@ def judged(
     The check computes the verdict and the certificate; the reply's claim stands beside them.
     """
     solution = reply.solution
-    scenario, branch, path = question.scenario, question.branch, solution.path
+    scenario = question.scenario
+    branch = question.branch
+    path = solution.path
     pathless = pathless_kind_of(branch)
     if path is not None:
         prepare(scenario, branch)
@@ -294,8 +297,8 @@ def shorter_answer(answer: Answer) -> Answer | None:
         return None
     at_once = replace(DEFAULT, until=-math.inf)  # the search was made when the answer was judged
     path = reference_of(answer.scenario, answer.branch, at_once).path
-    found = Reply(Outcome.RETURNED, Solution(Claim.NONE, path))
-    return judged("the check", Question(answer.scenario, answer.branch), found, at_once)
+    reply = Reply(Outcome.RETURNED, Solution(Claim.NONE, path))
+    return judged("the check", Question(answer.scenario, answer.branch), reply, at_once)
 
 
 def controls(path: Path | None) -> tuple[list[float], list[float]] | tuple[None, None]:
@@ -305,12 +308,14 @@ def controls(path: Path | None) -> tuple[list[float], list[float]] | tuple[None,
     """
     if path is None:
         return None, None
-    curvatures, lengths = path.curvatures.tolist(), path.lengths.tolist()
+    curvatures = path.curvatures.tolist()
+    lengths = path.lengths.tolist()
     finite = all(map(math.isfinite, curvatures)) and all(map(math.isfinite, lengths))
     return (curvatures, lengths) if finite else (None, None)
 
 
-_SCENARIO, _ANSWER = names(SCENARIO), names(ANSWER)
+_SCENARIO = names(SCENARIO)
+_ANSWER = names(ANSWER)
 _CERTIFICATE = names(columns(Certificate))
 _scenario_numbers = attrgetter(*_SCENARIO)
 
@@ -322,12 +327,13 @@ def _with_trace(
 
     A path of the trace is listed if it arrives and is shorter than all listed before it.
     """
-    evaluations, lengths = [], [math.inf]
+    evaluations = []
+    lengths = [math.inf]
     for count, path in solution.trace:
-        found = judge(question.scenario, path, branch=question.branch, tolerances=allowed)
-        if found.gap is not None and found.length is not None and found.length < lengths[-1]:
+        step = judge(question.scenario, path, branch=question.branch, tolerances=allowed)
+        if step.gap is not None and step.length is not None and step.length < lengths[-1]:
             evaluations.append(float(count))
-            lengths.append(found.length)
+            lengths.append(step.length)
     return replace(judgement, trace_evaluations=evaluations, trace_lengths=lengths[1:])
 
 
@@ -340,7 +346,8 @@ def _spent(solution: Solution) -> dict[str, Any]:
 
     A value that the solver does not report is null.
     """
-    efforts, best_run = solution.efforts, solution.best_run
+    efforts = solution.efforts
+    best_run = solution.best_run
     values: dict[str, Any] = dict.fromkeys(_SPENT)
     if solution.multipliers is not None:
         values["multiplier_x"], values["multiplier_y"] = map(_finite, solution.multipliers)

@@ -98,12 +98,12 @@ def _all_at_once(
 
     # the solver gets a copy, so that it cannot change the questions
     outcome, solution, seconds = _run(whole, frame.copy(deep=False), branch)
-    judged = judge_frame(frame, solution.paths, solution.claim, branch, allowed)
-    arrays = _arrays(solution, judged)
+    judgement = judge_frame(frame, solution.paths, solution.claim, branch, allowed)
+    arrays = _arrays(solution, judgement)
     if certified:
-        arrays |= _certificates(frame, solution, judged, branch, allowed)
-    a_row = seconds / max(1, len(frame))
-    of_all_rows = vars(Times(build_s=0.0, solve_s=a_row, wall_s=a_row)) | method.columns()
+        arrays |= _certificates(frame, solution, judgement, branch, allowed)
+    row_s = seconds / max(1, len(frame))
+    of_all_rows = vars(Times(build_s=0.0, solve_s=row_s, wall_s=row_s)) | method.columns()
     of_all_rows |= {"outcome": outcome, "native_status": solution.native_status}
     of_all_rows |= {"claim": solution.claim, "message": solution.message}
     return _framed(frame, arrays, of_all_rows)
@@ -134,14 +134,14 @@ def _run(
     return Outcome.RETURNED, solution, perf_counter() - began
 
 
-def _arrays(solution: FrameSolution, judged: FrameJudgement) -> dict[str, Any]:
+def _arrays(solution: FrameSolution, judgement: FrameJudgement) -> dict[str, Any]:
     """The answers' columns that differ between rows.
 
     Codes and flat buffers are used as they are, without a copy.
     """
     from dubins_study.study.judging.verdict_frame import TEXTS
 
-    columns: dict[str, Any] = judged._asdict()
+    columns: dict[str, Any] = judgement._asdict()
     for name, texts in TEXTS.items():
         columns[name] = _texts(columns[name], texts)
     if not isinstance(solution.claim, Claim):
@@ -157,24 +157,25 @@ def _arrays(solution: FrameSolution, judged: FrameJudgement) -> dict[str, Any]:
 def _certificates(
     frame: pd.DataFrame,
     solution: FrameSolution,
-    judged: FrameJudgement,
+    judgement: FrameJudgement,
     branch: str,
     allowed: Tolerances,
 ) -> dict[str, Any]:
     """The certificate's columns, computed row by row."""
     bounds = solution.lower_bound
-    found = []
-    for row, scenario in enumerate(scenarios_of(frame)):
+    rows = []
+    for number, scenario in enumerate(scenarios_of(frame)):
+        lower_bound = None if bounds is None else float(bounds[number])
         certificate = certify(
             scenario,
-            solution.paths.path(row, scenario),
-            judged.row(row),
+            solution.paths.path(number, scenario),
+            judgement.row(number),
             branch,
-            lower_bound=None if bounds is None else float(bounds[row]),
+            lower_bound=lower_bound,
             tolerances=allowed,
         )
-        found.append(vars(certificate))
-    return _columns(found, columns(Certificate))
+        rows.append(vars(certificate))
+    return _columns(rows, columns(Certificate))
 
 
 def _texts(codes: Any, texts: Iterable[str]) -> Any:
@@ -200,9 +201,11 @@ def _constant(value: Any, kind: str, n: int) -> Any:
     missing = value is None
     match kind:
         case "string":
-            return _texts(np.full(n, 255 if missing else 0, np.uint8), [value or ""])
+            code = 255 if missing else 0
+            return _texts(np.full(n, code, np.uint8), [value or ""])
         case "float64":
-            return np.full(n, np.nan if missing else value)
+            number = np.nan if missing else value
+            return np.full(n, number)
         case "int64":
             return pd.arrays.IntegerArray(np.full(n, value or 0), np.full(n, missing))
         case "bool":
@@ -239,20 +242,21 @@ def checked(scenarios: pd.DataFrame) -> tuple[pd.DataFrame, pd.DataFrame]:
     """
     if not isinstance(scenarios, pd.DataFrame):
         return check_frame(scenarios), pd.DataFrame()
-    known = {*names(SCENARIO), "via"}
+    of_scenarios = {*names(SCENARIO), "via"}
     # a misspelt column must not be replaced by its default
     missing = [name for name in DEFAULTS if name not in scenarios]
     of_answers = {*names(ANSWER)}
-    own = np.array(
+    is_read = np.array(
         [
-            name in known or (name not in of_answers and bool(nearest(name, missing)))
+            name in of_scenarios or (name not in of_answers and bool(nearest(name, missing)))
             for name in scenarios
         ],
         np.bool_,
     )
-    others = scenarios.loc[:, ~own & ~scenarios.columns.isin(of_answers)]
+    others = scenarios.loc[:, ~is_read & ~scenarios.columns.isin(of_answers)]
     # to choose columns would copy them
-    return check_frame(scenarios if own.all() else scenarios.loc[:, own]), others
+    frame = scenarios if is_read.all() else scenarios.loc[:, is_read]
+    return check_frame(frame), others
 
 
 def with_others(rows: pd.DataFrame, others: pd.DataFrame) -> pd.DataFrame:

@@ -70,11 +70,11 @@ def ask(
     began = perf_counter()
     built = None
     try:
-        known = presolved(question) if solver.presolve is True else None
-        model = known or solver.build(question)
+        presolve_solution = presolved(question) if solver.presolve is True else None
+        model = presolve_solution or solver.build(question)
         built = perf_counter()
-        left = max((1 - _HELD_BACK) * limit - (built - began), _HELD_BACK * limit)
-        solution = known or solver.solve(model, left)
+        limit_left = max((1 - _HELD_BACK) * limit - (built - began), _HELD_BACK * limit)
+        solution = presolve_solution or solver.solve(model, limit_left)
         ended = perf_counter()
         if not isinstance(solution, Solution):
             raise TypeError(f"solve returned {type(solution).__name__}; expected a Solution")
@@ -86,8 +86,10 @@ def ask(
             raised(error)
         build = None if built is None else built - began
         outcome = Outcome.OUT_OF_MEMORY if isinstance(error, MemoryError) else Outcome.RAISED
-        return no_answer(outcome, exception_text(error), Times(build, None, ended - began))
-    return Reply(Outcome.RETURNED, solution, Times(built - began, ended - built, ended - began))
+        times = Times(build_s=build, wall_s=ended - began)
+        return no_answer(outcome, exception_text(error), times)
+    times = Times(build_s=built - began, solve_s=ended - built, wall_s=ended - began)
+    return Reply(Outcome.RETURNED, solution, times)
 
 
 _CLOCKS_APART_S = 1e-3  # largest difference between two readings of the machine's clocks

@@ -61,12 +61,14 @@ class Analytic(Solver):
         if path is None:
             return Solution(Claim.INFEASIBLE, message=_NONE.format(model.branch))
         closed = high - low <= _CLOSED * max(low, scenario.radius)
+        claim = Claim.OPTIMAL if closed else Claim.FEASIBLE
+        message = "" if closed else _OPEN
         return Solution(
-            Claim.OPTIMAL if closed else Claim.FEASIBLE,
+            claim,
             path,
             claimed_length=path.length,
             lower_bound=low,
-            message="" if closed else _OPEN,
+            message=message,
         )
 
     def solve_frame(self, frame: pd.DataFrame, branch: str) -> FrameSolution:
@@ -92,9 +94,17 @@ class Analytic(Solver):
         curvature /= frame["radius"].to_numpy(np.float64)
         paths = Paths(curvature, length)
         if not absent.any():
-            return FrameSolution(Claim.OPTIMAL, paths, rows.length, rows.length.copy())
+            return FrameSolution(
+                Claim.OPTIMAL, paths, claimed_length=rows.length, lower_bound=rows.length.copy()
+            )
         claim = np.where(absent, CLAIMS.index(Claim.INFEASIBLE), CLAIMS.index(Claim.OPTIMAL))
         message = np.where(absent, _NONE.format(branch), "").tolist()
         length[:, absent] = 0.0
         paths = Paths(curvature, length, ~absent)
-        return FrameSolution(claim, paths, rows.length, rows.length.copy(), message=message)
+        return FrameSolution(
+            claim,
+            paths,
+            claimed_length=rows.length,
+            lower_bound=rows.length.copy(),
+            message=message,
+        )

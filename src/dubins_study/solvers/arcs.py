@@ -59,7 +59,8 @@ def most_turn(course: Course, n: int, equal: bool) -> float:
     """
     if equal:
         return MOST_TURN_EACH
-    return (4 if course.target is None else 3) * math.pi / n
+    arcs = 4 if course.target is None else 3
+    return arcs * math.pi / n
 
 
 class Rates(NamedTuple):
@@ -114,7 +115,8 @@ def cut(path: Path, n: int, shares: FloatArray | None) -> Elements:
     becomes equally long elements.
     """
     some = path.lengths > 0
-    curvature, length = path.curvatures[some], path.lengths[some]
+    curvature = path.curvatures[some]
+    length = path.lengths[some]
     if shares is None and not 0 < length.size <= n:
         shares = np.full(n, 1 / n)
     if shares is not None:
@@ -141,7 +143,8 @@ def step_shares(n: int, mesh: str, course: Course) -> FloatArray:
     circle's length at the start, where the path turns. If equal steps are shorter than that, the
     steps are equal.
     """
-    turning, straight = (n + 1) // 2, n // 2
+    turning = (n + 1) // 2
+    straight = n // 2
     shares = np.full((course.legs, n), 1.0 / n)
     for leg, distance in enumerate(np.hypot(*course.steps.T).tolist()):
         share = _TURNING / (_TURNING + distance)
@@ -243,14 +246,16 @@ def slopes(elements: Elements, course: Course, rolled: Rollout) -> tuple[FloatAr
     end, then a final heading if one is given. The first array is by the elements' turns. The second
     is by the elements' growth g at fixed rates, which multiplies length and turn by 1 + g.
     """
-    legs, N = course.legs, elements.turn.size
+    legs = course.legs
+    N = elements.turn.size
     ends = np.cumsum(rolled.chords, axis=1)
     last = np.arange(1, legs + 1) * (N // legs) - 1
     before = np.arange(N) <= last[:, None]  # a leg ends after these elements
     arm = (ends[:, last].T[:, :, None] - ends) * before[:, None]  # a turn swings what follows it
     by_turn = np.stack((-arm[:, 1], arm[:, 0]), axis=1) + rolled.by_after * before[:, None]
     by_growth = rolled.chords * before[:, None] + by_turn * elements.turn
-    by_turn, by_growth = by_turn.reshape(-1, N), by_growth.reshape(-1, N)
+    by_turn = by_turn.reshape(-1, N)
+    by_growth = by_growth.reshape(-1, N)
     if course.last is not None:
         by_turn = np.vstack((by_turn, np.ones(N)))
         by_growth = np.vstack((by_growth, elements.turn))
@@ -313,7 +318,8 @@ def corrected(
     of all iterates is returned.
     """
     close = close_enough(course)
-    now, best = elements, None
+    now = elements
+    best = None
     for rollouts in range(1, steps + 2):
         rolled = rollout(now)
         gaps = missed(now, course, rolled)
@@ -352,8 +358,8 @@ def _moved(
     free = np.ones(jacobian.shape[1], dtype=bool)
     step = np.zeros(free.size)
     for _ in range(n):
-        left = gaps - jacobian[:, ~free] @ step[~free]
-        step[free] = np.linalg.lstsq(jacobian[:, free], left, rcond=1e-12)[0]
+        residual = gaps - jacobian[:, ~free] @ step[~free]
+        step[free] = np.linalg.lstsq(jacobian[:, free], residual, rcond=1e-12)[0]
         if gentle:
             step *= min(1.0, _WITHIN / max(float(np.abs(step).max()), 1e-300))
         moved = rate + step[:n] * unit

@@ -69,8 +69,8 @@ class Course:
 
         Shape (k, ...) -> (n + 1, ...).
         """
-        given = [self.first] if self.last is None else [self.first, self.last]
-        first, *last = (np.full((1, *unknown.shape[1:]), heading) for heading in given)
+        ends = [self.first] if self.last is None else [self.first, self.last]
+        first, *last = (np.full((1, *unknown.shape[1:]), heading) for heading in ends)
         return np.concatenate((first, unknown, *last))
 
     def bearings(self) -> FloatArray:

@@ -90,8 +90,8 @@ class Engine(NamedTuple):
         None if the options leave it to the engine.
         """
         chosen = self.options.of(options, tol)
-        asked = (chosen[name] for name in self.options.feasibility if name in chosen)
-        return next(asked, None)
+        tolerances = (chosen[name] for name in self.options.feasibility if name in chosen)
+        return next(tolerances, None)
 
     def method(self, formulation: str, guess: str, options: str, tol: float) -> Method:
         """The `Method` of a solver with these settings."""
@@ -147,7 +147,8 @@ def _search(
     label: str, name: str, budget: int, optimality: tuple[str, ...] = (), **options: Any
 ) -> Engine:
     """An engine for one of SciPy's searches."""
-    place, arguments = "stochastic.penalty_function:scipy_search", {"name": name}
+    place = "stochastic.penalty_function:scipy_search"
+    arguments = {"name": name}
     chosen = Options(optimality=optimality, **options)
     return Engine(label, SAMPLING, ("scipy",), place, arguments, chosen, evaluations=budget)
 
@@ -187,8 +188,9 @@ _OF_NLOPT = Options(
 
 
 def _of_uno(plugin: str = "") -> Options:
-    names = ("primal_tolerance", "dual_tolerance", "max_iterations")
-    primal, dual, iterations = (f"{plugin}{name}" for name in names)
+    primal = f"{plugin}primal_tolerance"
+    dual = f"{plugin}dual_tolerance"
+    iterations = f"{plugin}max_iterations"
     return Options((primal,), (dual,), iterations, {f"{plugin}logger": "SILENT"}, _PRINTS_NOTHING)
 
 
@@ -417,8 +419,8 @@ def program_engine(name: str, kind: str) -> Engine:
 
     The executable is called as AMPL calls a solver.
     """
-    known = (each for begin, each in EXECUTABLES.items() if name.startswith(begin))
-    keywords = next(known, Keywords())
+    candidates = (each for begin, each in EXECUTABLES.items() if name.startswith(begin))
+    keywords = next(candidates, Keywords())
     place = "nlp_engines.ampl:ampl_minlp" if kind == PROVEN else "nlp_engines.ampl:ampl_nlp"
     arguments = {"executable": name, "names": keywords}
     return Engine(name, kind, ("pyomo",), place, arguments, keywords.options)

@@ -55,7 +55,8 @@ def export(scenario: Scenario, model: str = "paper", format: str = "nl", order: 
     if format == "mod":
         return _mod(scenario, order)
     if model == "paper":
-        program, title = _paper(scenario, order), f"model (4.12), order {order}"
+        program = _paper(scenario, order)
+        title = f"model (4.12), order {order}"
     else:
         from dubins_study.solvers.global_minlp.gdp_model import gdp_model, transformed
 
@@ -76,7 +77,7 @@ def _guess(scenario: Scenario, order: str) -> tuple[float, ...]:
     It is in the scenario's unit.
     """
     case = case_of(order, local(scenario))
-    points = initial_guesses(Question(scenario), case, "bearing", 0, 1)
+    points = initial_guesses(Question(scenario), case, "bearing", seed=0, count=1)
     return tuple(abs(float(length)) * scenario.radius for length in next(points))  # abs: no -0.0
 
 
@@ -94,7 +95,8 @@ def _paper(scenario: Scenario, order: str) -> Any:
         m.add_component(name, Var(bounds=(0, None), initialize=length))
     m.theta1 = Expression(expr=th0 + m.z1 / R)
     m.theta2 = Expression(expr=m.theta1 - m.z2 / R)
-    th1, th2 = m.theta1, m.theta2
+    th1 = m.theta1
+    th2 = m.theta2
     dx, dy = np.diff(scenario.points, axis=0)[0].tolist()
     m.x_end = Constraint(expr=dx - R * (-sin(th0) + 2 * sin(th1) - sin(th2)) - m.z3 * cos(th2) == 0)
     m.y_end = Constraint(expr=dy - R * (cos(th0) - 2 * cos(th1) + cos(th2)) - m.z3 * sin(th2) == 0)
@@ -114,12 +116,13 @@ def _gams(program: Any, title: str) -> str:
 def _mod(scenario: Scenario, order: str) -> str:
     first, second = ("left", "right") if order == "LRS" else ("right", "left")
     template = files(__package__).joinpath("paper.mod").read_text(encoding="utf-8")
+    curvature = "1 / R" if order == "LRS" else "-1 / R"
     return template.format(
         scenario=scenario,
         order=order,
         first=first,
         second=second,
-        curvature="1 / R" if order == "LRS" else "-1 / R",
+        curvature=curvature,
         z=_guess(scenario, order),
     )
 
@@ -141,7 +144,8 @@ def texts_of(formulation: str) -> Callable[[Question], Texts]:
     solver = load(formulation)
 
     def texts(question: Question) -> Texts:
-        scenario, branch = question.scenario, question.branch
+        scenario = question.scenario
+        branch = question.branch
         lacking = [need for need in scenario.needs if need not in solver.takes]
         if branch not in solver.branches:
             lacking.append(f"the branch {branch}")

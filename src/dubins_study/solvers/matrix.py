@@ -50,11 +50,10 @@ def matrix() -> list[MatrixEntry]:
     kinds = {"analytic": EXACT} | {name: ENGINES[name].kind for name in (*APART, *ENGINES)}
     places = {kind: place for place, kind in enumerate(_REASONS)}
     ordered = sorted(kinds, key=lambda name: places[kinds[name]])
-    entries = {
-        (entry.formulation, entry.engine): entry
-        for name in ordered
-        for entry in _of_engine(name, kinds[name])
-    }
+    entries = {}
+    for name in ordered:
+        for entry in _of_engine(name, kinds[name]):
+            entries[entry.formulation, entry.engine] = entry
     order = {name: place for place, name in enumerate(FORMULATIONS)}
     return sorted(entries.values(), key=lambda entry: order[entry.formulation])
 
@@ -83,16 +82,17 @@ def _of_engine(name: str, kind: str) -> Iterator[MatrixEntry]:
             continue
     label = next(stated_method(solver).engine for _, solver in solvers.values())
     for formulation in FORMULATION_LIST:
-        asked = solvers.get(formulation.name)
+        entry = solvers.get(formulation.name)
         reason: str | None = formulation.reasons.get(kind, _REASONS[kind])
         engine = label
-        if asked is not None:
-            reason = unavailable(asked[1])
-            engine = stated_method(asked[1]).engine  # the exact methods have several names
+        if entry is not None:
+            reason = unavailable(entry[1])
+            engine = stated_method(entry[1]).engine  # the exact methods have several names
+        usable_spec = entry[0] if entry and reason is None else None
         yield MatrixEntry(
             formulation=formulation.name,
             engine=engine,
             kind=kind,
-            spec=asked[0] if asked and reason is None else None,
+            spec=usable_spec,
             reason=reason,
         )

@@ -56,11 +56,12 @@ class Question:
         It starts at (0, 0) with heading 0. None if the question is cold, or if doubles cannot drive
         the path.
         """
-        given, radius = self.initial_guess, self.scenario.radius
-        if given is None or not drivable(given):
+        guess = self.initial_guess
+        radius = self.scenario.radius
+        if guess is None or not drivable(guess):
             return None
         with np.errstate(over="ignore", invalid="ignore"):
-            path = Path(Pose(0.0, 0.0, 0.0), given.curvatures * radius, given.lengths / radius)
+            path = Path(Pose(0.0, 0.0, 0.0), guess.curvatures * radius, guess.lengths / radius)
             extent = path.length + np.abs(path.curvatures * path.lengths).sum()
         return path if extent <= LARGEST_EXTENT else None  # also where it is NaN
 
@@ -95,11 +96,13 @@ class Method(NamedTuple):
 
         The guess is `warm` if the question hands one to a search.
         """
-        given = question is not None and question.initial_guess is not None
-        guess = "warm" if given and self.guess != "none" else self.guess
+        has_guess = question is not None and question.initial_guess is not None
+        guess = "warm" if has_guess and self.guess != "none" else self.guess
         guesses = GUESSES.get(guess, guess)
         posed = BY_NAME.get(self.formulation)
-        known = self.knows.split() + ([] if posed is None else posed.knows.split())
+        known = self.knows.split()
+        if posed is not None:
+            known += posed.knows.split()
         one_leg = question is None or question.scenario.one_free_leg
         if posed is not None and posed.several and guess == "bearing" and one_leg:
             guesses = SEVERAL
@@ -193,8 +196,9 @@ def _pair(value: Any) -> tuple[float, float]:
 
 def _effort(value: Any) -> Effort:
     subproblem, runs, evaluations, seconds = value
-    counted = None if evaluations is None else _count(evaluations)
-    return Effort(_text(subproblem), 0 if runs is None else _count(runs), counted, float(seconds))
+    run_count = 0 if runs is None else _count(runs)
+    evaluation_count = None if evaluations is None else _count(evaluations)
+    return Effort(_text(subproblem), run_count, evaluation_count, float(seconds))
 
 
 def _efforts(value: Any) -> tuple[Effort, ...]:

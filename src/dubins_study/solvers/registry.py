@@ -48,7 +48,8 @@ def ours(spec: str) -> bool:
 
     The spec may be invalid.
     """
-    return _our_name(name_of(spec) if isinstance(spec, str) else "")
+    name = name_of(spec) if isinstance(spec, str) else ""
+    return _our_name(name)
 
 
 @cache  # reading the name of a distribution takes longer than a quick solve
@@ -104,18 +105,29 @@ def _entry(name: str) -> Entry:
     try:
         solver = load(name)
     except SolverError as error:
-        return Entry(name, "", "", "", (), (), "", {}, str(error))
-    kind, method = type(solver), stated_method(solver)
+        return Entry(
+            name,
+            formulation="",
+            engine="",
+            guarantee="",
+            takes=(),
+            branches=(),
+            summary="",
+            settings={},
+            reason=str(error),
+        )
+    kind = type(solver)
+    method = stated_method(solver)
     return Entry(
         name,
-        method.formulation,
-        method.engine,
-        str(kind.guarantee),
-        tuple(need for need in NEEDS if need in kind.takes),
-        kind.branches,
-        kind.summary,
-        settings(solver),
-        unavailable(solver),
+        formulation=method.formulation,
+        engine=method.engine,
+        guarantee=str(kind.guarantee),
+        takes=tuple(need for need in NEEDS if need in kind.takes),
+        branches=kind.branches,
+        summary=kind.summary,
+        settings=settings(solver),
+        reason=unavailable(solver),
     )
 
 
@@ -230,7 +242,7 @@ def _kind(name: str) -> type[Solver]:
     return _checked(name, kind)
 
 
-def _told(error: BaseException) -> str:
+def _error_text(error: BaseException) -> str:
     """An exception as text.
 
     The text of a syntax error has the file, the line and the caret below it.
@@ -256,7 +268,7 @@ def _from_file(name: str, plugin: PluginFile) -> type[Solver]:
         spec.loader.exec_module(module)
     except (Exception, SystemExit) as error:  # the user's own program; whatever it raises
         del sys.modules[module_name]
-        raise SolverError(f"solver {name!r}: {file} fails: {_told(error)}") from error
+        raise SolverError(f"solver {name!r}: {file} fails: {_error_text(error)}") from error
     if not hasattr(module, class_name):
         solvers = [key for key, value in vars(module).items() if _is_solver(value)]
         has = ", ".join(solvers) or "no class that extends Solver"
@@ -321,14 +333,14 @@ def _convert(name: str, kind: type[Solver], given: dict[str, str]) -> dict[str, 
             known = ", ".join(defaults) or "none"
             near = did_you_mean(key, defaults)
             raise SolverError(f"solver {name!r} has no setting {key!r}; {near}it has: {known}")
-        wanted = type(defaults[key])
+        value_type = type(defaults[key])
         try:
-            if wanted in (int, float):
+            if value_type in (int, float):
                 number_of_text(text)
-            values[key] = _BOOLEANS[text.lower()] if wanted is bool else wanted(text)
+            values[key] = _BOOLEANS[text.lower()] if value_type is bool else value_type(text)
         except (KeyError, TypeError, ValueError):  # no type of a number or text takes the text
             raise SolverError(
-                f"solver {name!r}: {key} is {text!r}; expected {wanted.__name__}, "
+                f"solver {name!r}: {key} is {text!r}; expected {value_type.__name__}, "
                 f"such as {defaults[key]}"
             ) from None
     return values

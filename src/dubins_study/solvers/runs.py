@@ -105,7 +105,7 @@ class Attempts(NamedTuple, Generic[Guess, Point]):
     enough: Callable[[Run[Point]], bool]  # whether a solution makes further guesses needless
 
 
-def tried(attempts: Iterable[Attempts[Guess, Point]], until: float) -> list[Run[Point]]:
+def run_attempts(attempts: Iterable[Attempts[Guess, Point]], until: float) -> list[Run[Point]]:
     """The runs on all subproblems.
 
     No run begins when the time is up. Each subproblem has an equal share of the time that is left:
@@ -113,9 +113,9 @@ def tried(attempts: Iterable[Attempts[Guess, Point]], until: float) -> list[Run[
     """
     runs: list[Run[Point]] = []
     every = list(attempts)
-    for left, (guesses, solve, enough) in zip(range(len(every), 0, -1), every, strict=True):
+    for remaining, (guesses, solve, enough) in zip(range(len(every), 0, -1), every, strict=True):
         began = perf_counter()
-        end = began + (until - began) / left
+        end = began + (until - began) / remaining
         for guess in guesses:
             if perf_counter() > end:
                 break
@@ -125,7 +125,7 @@ def tried(attempts: Iterable[Attempts[Guess, Point]], until: float) -> list[Run[
     return runs
 
 
-def settled(
+def best_run_and_claim(
     runs: Sequence[Run[Point]], miss: Callable[[Run[Point]], float]
 ) -> tuple[Run[Point], Claim]:
     """The best run, and the claim of the answer.
@@ -143,8 +143,9 @@ def settled(
     best = min(missed, key=lambda run: run.miss if math.isfinite(run.miss) else math.inf)
     claims = {run.claim for run in runs}
     claim = claims.pop() if len(claims) == 1 else Claim.FAILED
-    off = claim is Claim.FEASIBLE and not best.miss <= ARRIVES
-    return best, Claim.FAILED if off else claim
+    if claim is Claim.FEASIBLE and not best.miss <= ARRIVES:
+        claim = Claim.FAILED
+    return best, claim
 
 
 # claims of an engine that ended by itself, without a path
@@ -191,8 +192,8 @@ def total(counts: Iterable[int | None]) -> int | None:
 
     An engine that does not count gives None.
     """
-    known = list(counts)
-    return None if None in known else sum(count for count in known if count is not None)
+    numbers = list(counts)
+    return None if None in numbers else sum(count for count in numbers if count is not None)
 
 
 def summed(efforts: Iterable[Effort]) -> tuple[Effort, ...]:

@@ -45,7 +45,8 @@ def check_settings(solver: Any) -> None:
     A setting must hold to the rule of its declaration.
     """
     for setting in fields(solver):
-        value, rule = getattr(solver, setting.name), setting.metadata.get(_RULE)
+        value = getattr(solver, setting.name)
+        rule = setting.metadata.get(_RULE)
         if rule is not None and not rule.holds(value):
             near = did_you_mean(value, rule.choices)
             raise ValueError(f"{setting.name} is {value!r}; {near}expected {rule.expected}")

@@ -35,8 +35,10 @@ STATUSES: dict[str, dict[str, tuple[str, ...]]] = {
         "feasible": ("Feasible_Point_Found",),
         "locally infeasible": ("Infeasible_Problem_Detected",),
         "limit": (
-            *("Maximum_Iterations_Exceeded", "Maximum_CpuTime_Exceeded"),
-            *("Maximum_WallTime_Exceeded", "User_Requested_Stop"),
+            "Maximum_Iterations_Exceeded",
+            "Maximum_CpuTime_Exceeded",
+            "Maximum_WallTime_Exceeded",
+            "User_Requested_Stop",
         ),
     },
     # its status tells both how it stopped and the kind of point
@@ -124,8 +126,11 @@ STATUSES: dict[str, dict[str, tuple[str, ...]]] = {
         "optimal": ("solved",),
         "infeasible": ("primal infeasible",),
         "limit": (
-            *("maximum iterations reached", "run time limit reached", "solved inaccurate"),
-            *("primal infeasible inaccurate", "dual infeasible inaccurate"),
+            "maximum iterations reached",
+            "run time limit reached",
+            "solved inaccurate",
+            "primal infeasible inaccurate",
+            "dual infeasible inaccurate",
         ),
     },
     "scs": {

@@ -250,7 +250,7 @@ def test_the_program_of_known_words_is_the_joint_one_without_the_other_arcs(scen
     everything = joint.program(route)
     point = joint.words_guess(route, known)
     functions = program.functions
-    x = joint._kept(point, places)
+    x = joint._unknowns_of(point, places)
 
     if scenario.final_heading is not None:  # else the last arc is left out
         assert np.abs(functions.equations(x)).max() < 1e-12
@@ -376,7 +376,7 @@ def test_engines_of_sparse_programs_are_given_no_whole_matrix(engine):
     known = best_of_grid(scenario, 24)
     places = joint.word_places(route, known)
     program = joint.program(route, places)
-    guess = joint._kept(joint.words_guess(route), places)
+    guess = joint._unknowns_of(joint.words_guess(route), places)
     functions = program.functions._replace(jacobian=None, hessian=None)
 
     result = ENGINES[engine].load()(1e-6)(replace(program, written=functions), guess, 20.0)

@@ -97,7 +97,9 @@ def conic(problem: Problem) -> Conic:
 
     Each finite end of a range becomes a row.
     """
-    equal, m, n = problem.equal, problem.l.size, problem.q.size
+    equal = problem.equal
+    m = problem.l.size
+    n = problem.q.size
     upper, lower = ~equal & np.isfinite(problem.u), ~equal & np.isfinite(problem.l)
     unit = eye_array(n)
     A = [problem.A[equal], problem.A[upper], -problem.A[lower], unit, -unit, -problem.C]
@@ -161,7 +163,8 @@ def _rows(problem: Problem, equations: Any, others: Any) -> FloatArray:
 def piqp(problem: Problem) -> Prepared:
     import piqp as library
 
-    equal, rows = problem.equal, ~problem.equal
+    equal = problem.equal
+    rows = ~problem.equal
     P = _quadratic(problem)
     A = csc_matrix(problem.A[equal])
     G = csc_matrix(problem.A[rows])
@@ -169,8 +172,17 @@ def piqp(problem: Problem) -> Prepared:
     def solve(options: OptionValues) -> Ended:
         solver = library.SparseSolver()
         _set(solver.settings, options)
-        ends = problem.l[rows], problem.u[rows], problem.lb, problem.ub
-        solver.setup(P, problem.q, A, problem.u[equal], G, *ends)
+        solver.setup(
+            P,
+            problem.q,
+            A,
+            problem.u[equal],
+            G,
+            problem.l[rows],
+            problem.u[rows],
+            problem.lb,
+            problem.ub,
+        )
         solver.solve()
         result = solver.result
         y = _rows(problem, result.y, result.z_u - result.z_l)
@@ -198,7 +210,8 @@ def clarabel(problem: Problem) -> Prepared:
 def osqp(problem: Problem) -> Prepared:
     import osqp as library
 
-    P, box = _quadratic(problem), _boxed(problem)
+    P = _quadratic(problem)
+    box = _boxed(problem)
 
     def solve(options: OptionValues) -> Ended:
         solver = library.OSQP()
@@ -227,20 +240,25 @@ def highs(problem: Problem) -> Prepared:
     import highspy as library
 
     model = library.HighsModel()
-    ends = problem.l, problem.u, problem.lb, problem.ub
-    model.lp_ = highs_rows(problem.q, problem.A, *ends)
-    hessian, P = model.hessian_, _quadratic(problem)
-    hessian.dim_, hessian.format_ = problem.q.size, library.HessianFormat.kTriangular
-    hessian.start_, hessian.index_, hessian.value_ = P.indptr, P.indices, P.data
+    model.lp_ = highs_rows(problem.q, problem.A, problem.l, problem.u, problem.lb, problem.ub)
+    hessian = model.hessian_
+    P = _quadratic(problem)
+    hessian.dim_ = problem.q.size
+    hessian.format_ = library.HessianFormat.kTriangular
+    hessian.start_ = P.indptr
+    hessian.index_ = P.indices
+    hessian.value_ = P.data
 
     def solve(options: OptionValues) -> Ended:
         solver = highs_run(model, options)
         ended = {"model_status": solver.getModelStatus().name}
-        result, info = solver.getSolution(), solver.getInfo()
+        result = solver.getSolution()
+        info = solver.getInfo()
         if not (result.value_valid and result.dual_valid):
             return Ended(ended)
-        duals = -np.array(result.row_dual), -np.array(result.col_dual)
-        return Ended(ended, _point(result.col_value, *duals), max(0, info.qp_iteration_count))
+        y = -np.array(result.row_dual)
+        z = -np.array(result.col_dual)
+        return Ended(ended, _point(result.col_value, y, z), max(0, info.qp_iteration_count))
 
     return solve
 
@@ -248,8 +266,10 @@ def highs(problem: Problem) -> Prepared:
 def proxqp(problem: Problem) -> Prepared:
     from proxsuite import proxqp as library
 
-    equal, n = problem.equal, problem.q.size
-    P, A = _quadratic(problem), csc_matrix(problem.A[equal])
+    equal = problem.equal
+    n = problem.q.size
+    P = _quadratic(problem)
+    A = csc_matrix(problem.A[equal])
     C = csc_matrix(vstack((problem.A[~equal], eye_array(n))))
     low = np.concatenate((problem.l[~equal], problem.lb))
     high = np.concatenate((problem.u[~equal], problem.ub))
@@ -271,8 +291,11 @@ def qpalm(problem: Problem) -> Prepared:
 
     A, low, high = _boxed(problem)
     data = library.Data(problem.q.size, low.size)
-    data.Q, data.q = triu(diags_array(problem.p), format="csc"), problem.q
-    data.A, data.bmin, data.bmax = A, low, high
+    data.Q = triu(diags_array(problem.p), format="csc")
+    data.q = problem.q
+    data.A = A
+    data.bmin = low
+    data.bmax = high
 
     def solve(options: OptionValues) -> Ended:
         solver = library.Solver(data, _set(library.Settings(), options))
@@ -321,7 +344,9 @@ def daqp(problem: Problem) -> Prepared:
     """The problem for DAQP, with dense matrices."""
     import daqp as library
 
-    n, P, A = problem.q.size, np.diag(problem.p), problem.A.toarray()
+    n = problem.q.size
+    P = np.diag(problem.p)
+    A = problem.A.toarray()
     high = np.concatenate((problem.ub, problem.u))
     low = np.concatenate((problem.lb, problem.l))
     sense = np.where(high == low, 5, 0).astype(np.int32)  # 5: an equation
@@ -375,7 +400,8 @@ def through_cvxpy(engine: str, problem: Problem) -> Prepared:
         if x.value is None or any(row.dual_value is None for row in (*rows, *cones)):
             return Ended(result)
         duals = [row.dual_value for row in rows]
-        duals += [part for cone in cones for part in cone.dual_value]
+        for cone in cones:
+            duals.extend(cone.dual_value)
         point = form.back(x.value, np.concatenate([np.ravel(part) for part in duals]))
         return Ended(result, point, stated.solver_stats.num_iters)
 
@@ -390,7 +416,7 @@ class Engine(NamedTuple):
 
     label: str  # its name as its makers write it
     package: str
-    own: Callable[[Problem], Prepared]  # its adapter by its own interface
+    adapter: Callable[[Problem], Prepared]  # by its own interface
     # reads the status of its result, whether returned by its own interface or to cvxpy
     status: Callable[[Any], Any]
     tolerances: tuple[str, ...]
@@ -407,7 +433,9 @@ class Engine(NamedTuple):
         values |= dict.fromkeys(self.zeros, 0.0) | dict(self.others)
         if ask.tuned:
             values |= self.tuned
-        return values | ({self.seconds: ask.seconds} if self.seconds else {})
+        if self.seconds:
+            values[self.seconds] = ask.seconds
+        return values
 
 
 _MANY = 10**7  # iterations: the time limit ends first
@@ -516,7 +544,7 @@ def prepare(engine: str, interface: str, problem: Problem) -> Callable[[Ask], Re
     table = ENGINES[engine]
     if problem.cones.size and not table.cones:
         raise ProblemError(f"{table.label} takes no cones; expected a QP")
-    prepared = through_cvxpy(engine, problem) if interface == "cvxpy" else table.own(problem)
+    prepared = through_cvxpy(engine, problem) if interface == "cvxpy" else table.adapter(problem)
 
     def solve(ask: Ask) -> Reply:
         try:

@@ -56,8 +56,10 @@ class Convex(Solver):
         if self.options == "tuned" and not ENGINES[self.engine].tuned:
             tuned = ", ".join(name for name, engine in ENGINES.items() if engine.tuned)
             return f"{self.engine} has no tuned options; expected one of: {tuned}"
-        own = ENGINES[self.engine].package
-        return missing_package(own, "cvxpy") if self.interface == "cvxpy" else missing_package(own)
+        package = ENGINES[self.engine].package
+        if self.interface == "cvxpy":
+            return missing_package(package, "cvxpy")
+        return missing_package(package)
 
     def build(self, question: Question) -> Any:
         _load(self.engine, self.interface)
@@ -65,9 +67,10 @@ class Convex(Solver):
 
     def solve(self, model: Any, limit: float) -> Solution:
         reply = model(Ask(self.tolerance, limit, tuned=self.options == "tuned"))
+        point = None if reply.point is None else np.concatenate(reply.point)
         return Solution(
             reply.claim,
-            point=None if reply.point is None else np.concatenate(reply.point),
+            point=point,
             iterations=reply.iterations,
             native_status=reply.status,
             message=reply.status,

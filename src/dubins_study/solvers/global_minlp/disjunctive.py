@@ -194,7 +194,7 @@ class Disjunctive(EngineSolver):
         )
 
     def _run(self, model: PosedDisjunction, feastol: float, seconds: float) -> Run[Point | None]:
-        settings = Settings(self.gap * _SHARE, feastol, self.emphasis == "lean")
+        settings = Settings(gap=self.gap * _SHARE, feastol=feastol, lean=self.emphasis == "lean")
         began = perf_counter()
         proven: ProvenResult = self.library.load()(settings)(model.translated.program, seconds)
         seconds = perf_counter() - began
@@ -206,9 +206,10 @@ class Disjunctive(EngineSolver):
         scenario = model.question.scenario
         # Node bounds come from linear programs solved to the tolerance, not exactly.
         bound = max(0.0, run.bound - feastol * (1 + abs(run.bound)))
-        known = Solution(
-            # only `_claim` makes the claim that a path is optimal
-            Claim.FEASIBLE if run.claim is Claim.OPTIMAL else run.claim,
+        # only `_claim` makes the claim that a path is optimal
+        engine_claim = Claim.FEASIBLE if run.claim is Claim.OPTIMAL else run.claim
+        solution = Solution(
+            engine_claim,
             lower_bound=bound * scenario.radius,
             iterations=run.result.iterations,
             native_status=run.result.status,
@@ -216,18 +217,18 @@ class Disjunctive(EngineSolver):
         )
         if run.point is None:
             if run.claim is not Claim.INFEASIBLE:
-                return known
-            known = replace(known, lower_bound=None)
+                return solution
+            solution = replace(solution, lower_bound=None)
             branch = model.question.branch
             if branch == "best":
                 # Every target is reached by some word, so the engine has wrongly cut it off.
-                return replace(known, claim=Claim.FAILED, message="no word left")
-            return replace(known, message=f"{branch} does not reach the target")
+                return replace(solution, claim=Claim.FAILED, message="no word left")
+            return replace(solution, message=f"{branch} does not reach the target")
         words, met = _met(model, run.point)
         stopped = run.claim is Claim.LIMIT
         claim, message = self._claim(stopped, feastol, bound, met)
         return replace(
-            known,
+            solution,
             claim=claim,
             path=met.path,
             claimed_length=run.point.length * scenario.radius,
@@ -247,7 +248,8 @@ class Disjunctive(EngineSolver):
         message = f"within {gap:.1e} of the bound"
         if gap <= self.gap:
             return Claim.OPTIMAL, message
-        return (Claim.LIMIT if stopped else Claim.FEASIBLE), message
+        claim = Claim.LIMIT if stopped else Claim.FEASIBLE
+        return claim, message
 
 
 def _unproven(solution: Solution) -> Solution:
@@ -266,7 +268,8 @@ def _unproven(solution: Solution) -> Solution:
 
 def _point(model: PosedDisjunction, x: FloatArray) -> Point:
     """The words and lengths of an engine's point."""
-    pyomo, place = model.pyomo, model.translated.place
+    pyomo = model.pyomo
+    place = model.translated.place
 
     def value(variable: Any) -> float:
         return float(x[place[id(variable)]])
@@ -278,9 +281,9 @@ def _point(model: PosedDisjunction, x: FloatArray) -> Point:
         words.append(of_leg[int(np.argmax(chosen))])
     lengths = []
     for leg, word in enumerate(words):
-        angles = [value(pyomo.z[leg, name]) for name in ("alpha", "gamma")]
+        alpha = value(pyomo.z[leg, "alpha"])
+        gamma = value(pyomo.z[leg, "gamma"])
         beta = value(pyomo.z[leg, "beta"]) if (leg, "beta") in pyomo.z else 0.0
-        alpha, gamma = angles
         lengths.append(np.maximum(pieces(word, alpha, gamma, value(pyomo.w[leg]), beta), 0.0))
     steps = []
     for leg, each in enumerate(pyomo.steps):
@@ -304,10 +307,14 @@ def _met(model: PosedDisjunction, point: Point) -> tuple[str, Met]:
             z["LRS".index(letter)] = length
         word, polished = meet_target(scenario, course.target, model.words, point.words[0], z)
         path = as_path(scenario, SUBPROBLEMS[word], polished.z)
-        return word, Met(path, float(polished.z.sum()), polished.miss, polished.meets)
+        return word, Met(
+            path, length=float(polished.z.sum()), miss=polished.miss, meets=polished.meets
+        )
     turns = [[TURN[letter] for letter in word.ljust(3, "S")] for word in point.words]
     length = np.concatenate([np.resize([*each, 0.0], 3) for each in point.pieces])
     elements = Elements(np.ravel(turns) * length, length)
     elements, off, *_ = closed(elements, RATES["best"], course, equal=False)
     path = path_of(scenario, elements.rate.tolist(), elements.length.tolist())
-    return " ".join(point.words), Met(path, elements.total, off, off <= close_enough(course))
+    return " ".join(point.words), Met(
+        path, length=elements.total, miss=off, meets=off <= close_enough(course)
+    )

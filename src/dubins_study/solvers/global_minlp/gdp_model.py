@@ -25,7 +25,8 @@ _THREE_ARCS = 4.0  # radii; points so far apart are joined by no shortest path o
 TRANSFORMATIONS = ("bigm", "hull")
 _QUARTER = TWO_PI / 4
 # binaries for the number of whole turns by which a heading is off, from _FEWEST_TURNS on
-_TURN_DIGITS, _FEWEST_TURNS = (1, 2, 4), -3
+_TURN_DIGITS = (1, 2, 4)
+_FEWEST_TURNS = -3
 
 # of each leg the steps (radii) that it may take, by the points at both ends; 0 is the start
 Steps = list[dict[tuple[int, int], FloatArray]]
@@ -77,7 +78,8 @@ def gdp_model(
     ranges: dict[tuple[int, str], tuple[float, float]] = {}
     for leg in range(n):
         three_arcs = "RLR" in of_leg[leg]
-        turns = -TWO_PI / 2 if three_arcs else 0.0, TWO_PI
+        lowest = -TWO_PI / 2 if three_arcs else 0.0
+        turns = lowest, TWO_PI
         ranges |= dict.fromkeys(((leg, "alpha"), (leg, "gamma")), turns)
         if leg:
             ranges[leg, "mu"] = 0.0, TWO_PI
@@ -108,7 +110,8 @@ def gdp_model(
 
     def rule(disjunct: Any, leg: int, word: str) -> None:
         [step, *others] = steps[leg].values()
-        _word(disjunct, leg, word, None if others else step)
+        only_step = None if others else step
+        _word(disjunct, leg, word, only_step)
 
     m.word = Disjunct(chosen, rule=rule)
     m.one_word = Disjunction(range(n), rule=lambda m, leg: [m.word[leg, w] for w in of_leg[leg]])
@@ -147,15 +150,18 @@ def _add_steps(m: Any, steps: Steps, away: list[list[float]]) -> None:
 
     m.step = Disjunct([(leg, *ends) for leg in legs for ends in steps[leg]], rule=rule)
     m.one_step = Disjunction(legs, rule=lambda m, leg: [m.step[leg, ends] for ends in steps[leg]])
-    places = [(leg, place) for leg in legs[1:] for place in {begin for begin, _ in steps[leg]}]
+    places = []
+    for leg in legs[1:]:
+        begins = {begin for begin, _ in steps[leg]}
+        places += [(leg, begin) for begin in begins]
 
     def goes_on(m: Any, leg: int, place: int) -> Any:
         leaves = sum(m.step[leg, place, :].binary_indicator_var)
         return sum(m.step[leg - 1, :, place].binary_indicator_var) == leaves
 
     def straight(m: Any, leg: int) -> Any:
-        taken = m.step[leg, :, :].binary_indicator_var
-        distance = sum(d * one for d, one in zip(away[leg], taken, strict=True))
+        indicators = m.step[leg, :, :].binary_indicator_var
+        distance = sum(d * one for d, one in zip(away[leg], indicators, strict=True))
         return m.z[leg, "alpha"] + m.z[leg, "gamma"] + m.w[leg] >= distance
 
     m.goes_on = Constraint(places, rule=goes_on)
@@ -197,7 +203,8 @@ def _quadrant(disjunct: Any, leg: int, name: str, k: int) -> None:
     """
     from pyomo.environ import Constraint
 
-    m, key = disjunct.model(), (leg, name)
+    m = disjunct.model()
+    key = (leg, name)
     c, s = m.cos_q[key], m.sin_q[key]
     for _ in range(k % 4):
         c, s = -s, c
@@ -214,17 +221,21 @@ def _word(disjunct: Any, leg: int, word: str, step: FloatArray | None) -> None:
     from pyomo.environ import Constraint
 
     m = disjunct.model()
-    alpha, gamma = m.z[leg, "alpha"], m.z[leg, "gamma"]
-    cos_a, sin_a, cos_c, sin_c = (
-        part[leg, name] for name in ("alpha", "gamma") for part in (m.c, m.s)
-    )
-    first, last, w = TURN[word[0]], TURN[word[-1]], m.w[leg]
+    alpha = m.z[leg, "alpha"]
+    gamma = m.z[leg, "gamma"]
+    cos_a, sin_a = m.c[leg, "alpha"], m.s[leg, "alpha"]
+    cos_c, sin_c = m.c[leg, "gamma"], m.s[leg, "gamma"]
+    first = TURN[word[0]]
+    last = TURN[word[-1]]
+    w = m.w[leg]
     turned = first * alpha
     if leg:  # the direction that the leg is seen along
-        mu, cos_mu, sin_mu = m.z[leg, "mu"], m.c[leg, "mu"], m.s[leg, "mu"]
+        mu = m.z[leg, "mu"]
+        cos_mu, sin_mu = m.c[leg, "mu"], m.s[leg, "mu"]
         disjunct.begins = Constraint(expr=mu == m.theta[leg] + turned - _whole_turns(m, leg))
     else:  # from heading 0
-        mu, cos_mu, sin_mu = turned, cos_a, first * sin_a
+        mu = turned
+        cos_mu, sin_mu = cos_a, first * sin_a
     if step is None:
         scale = m.along[leg].ub
         along, across = m.along[leg] / scale, m.across[leg] / scale
@@ -265,7 +276,8 @@ def _whole_turns(m: Any, point: int) -> Any:
 def pieces(word: str, alpha: float, gamma: float, w: float, beta: float) -> FloatArray:
     """The lengths of a word's two or three pieces."""
     if len(word) == 2:
-        return np.array((alpha, w if word[1] == "S" else gamma))
+        last = w if word[1] == "S" else gamma
+        return np.array((alpha, last))
     if "S" in word:
         return np.array((alpha, w, gamma))
     return np.array((alpha + beta, 2 * beta, gamma + beta))
@@ -329,7 +341,9 @@ def _limits(lower: float | None, upper: float | None) -> tuple[float, float]:
 
     None is no bound, and becomes an infinite one.
     """
-    return -math.inf if lower is None else lower, math.inf if upper is None else upper
+    low = -math.inf if lower is None else lower
+    high = math.inf if upper is None else upper
+    return low, high
 
 
 def rebuilt(node: Any, variable: Callable[[Any], Any], functions: Functions) -> Any:

@@ -127,7 +127,7 @@ class GlobalNlp(EngineSolver):
         if there := at_start(question.scenario, target):
             return replace(there, claim=Claim.OPTIMAL, lower_bound=0.0) if covers else there
         solve: MinlpCall = self.library.load()(
-            Settings(self.gap, self.feastol, self.emphasis == "lean")
+            Settings(gap=self.gap, feastol=self.feastol, lean=self.emphasis == "lean")
         )
         runs: list[Run[FloatArray]] = []
         for case, posed in zip(cases, model.programs, strict=True):
@@ -135,7 +135,8 @@ class GlobalNlp(EngineSolver):
             if began > deadline:
                 break
             proven = solve(posed, deadline - began)
-            z, length = np.zeros(3), math.inf
+            z = np.zeros(3)
+            length = math.inf
             if proven.x is not None:
                 free = list(case.subproblem.free)
                 z[free] = proven.x[: len(free)]
@@ -156,9 +157,11 @@ class GlobalNlp(EngineSolver):
         bound = min((run.bound for run in runs), default=-math.inf)
         statuses = (f"{run.subproblem} {run.result.status}" for run in runs)
         messages = (f"{run.subproblem}: {run.result.message}" for run in runs)
+        claim = _claim(runs, covers) if complete else Claim.LIMIT
+        lower_bound = bound * R if complete and covers and math.isfinite(bound) else None
         solution = Solution(
-            _claim(runs, covers) if complete else Claim.LIMIT,
-            lower_bound=bound * R if complete and covers and math.isfinite(bound) else None,
+            claim,
+            lower_bound=lower_bound,
             native_status="; ".join(statuses),
             message="; ".join(messages),
             **spent(runs),
@@ -179,13 +182,14 @@ def _program(case: Case, lifted: bool) -> MixedProgram:
 
     If `lifted`, a joint program has the final heading as a variable.
     """
-    subproblem, target = case.subproblem, case.target
+    subproblem = case.subproblem
+    target = case.target
     upper = np.array((TWO_PI, TWO_PI, math.hypot(target.X, target.Y) + 2))
     posed = replace(program(case), upper=upper[subproblem.mask])
     if lifted and len(subproblem.free) == 3:
-        turn = (-TWO_PI, TWO_PI)
-        bounds = np.append(posed.lower, turn[0]), np.append(posed.upper, turn[1])
-        posed = Program(_with_heading(), posed.p, *bounds)
+        lower = np.append(posed.lower, -TWO_PI)
+        upper = np.append(posed.upper, TWO_PI)
+        posed = Program(_with_heading(), posed.p, lower, upper)
     return mixed_program(posed)
 
 
@@ -197,10 +201,12 @@ def _with_heading() -> Expressions:
     """
     import casadi
 
-    x, p = casadi.SX.sym("x", 4), casadi.SX.sym("p", 2)
-    z1, z2, z3, th = (x[i] for i in range(4))
+    x = casadi.SX.sym("x", 4)
+    p = casadi.SX.sym("p", 2)
+    z1, z2, z3, th = casadi.vertsplit(x)
     x_end, y_end = end_point(z1, th, z3, casadi)
-    return Expressions(x, p, z1 + z2 + z3, casadi.vertcat(p[0] - x_end, p[1] - y_end, th - z1 + z2))
+    gaps = casadi.vertcat(p[0] - x_end, p[1] - y_end, th - z1 + z2)
+    return Expressions(x, p, f=z1 + z2 + z3, g=gaps)
 
 
 def _claim(runs: list[Run[FloatArray]], covers: bool) -> Claim:

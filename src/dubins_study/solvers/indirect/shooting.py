@@ -89,7 +89,8 @@ class Shooting(Solver):
         if there := at_start(question.scenario, model.target, self.tol):
             return there
         prescribed = question.branch in ("LR", "RL")
-        guesses, solve = partial(self._guesses, question), partial(self._from, prescribed)
+        guesses = partial(self._guesses, question)
+        solve = partial(self._from, prescribed)
         return searched(model, self.initial_guess, guesses, solve, limit)
 
     def _guesses(self, question: Question, case: Case) -> Iterator[FloatArray]:
@@ -100,7 +101,7 @@ class Shooting(Solver):
         structure = _structure(case)
         free = list(case.subproblem.free)
         seed = self.seed + question.repeat
-        points = initial_guesses(question, case, self.initial_guess, seed, self.count)
+        points = initial_guesses(question, case, self.initial_guess, seed=seed, count=self.count)
         for z in points:
             heading = structure.pieces(*z[free])[1].heading
             nu = 1.0, -math.cos(heading), -math.sin(heading)
@@ -113,7 +114,8 @@ class Shooting(Solver):
 
         `prescribed` says that the branch prescribes the controls.
         """
-        structure, free = _structure(case), list(case.subproblem.free)
+        structure = _structure(case)
+        free = list(case.subproblem.free)
         v = structure.unknowns(guess[3:], guess[free])
         until = perf_counter() + seconds
         try:
@@ -129,9 +131,10 @@ class Shooting(Solver):
                 break
         z = np.zeros(3)
         z[free] = candidate.durations
+        claim = Claim.FAILED if fault else Claim.LOCAL
         return EngineResult(
             z,
-            Claim.FAILED if fault else Claim.LOCAL,
+            claim,
             candidate.multipliers,
             iterations=evaluations - 1,  # every evaluation but the first tries a step
             evaluations=evaluations,

@@ -144,7 +144,8 @@ class Structure:
         nu0, nu1, nu2, _, first, second = v.tolist()
         unit = self.unit
         switch, end = self.pieces(first, second * unit)
-        (ax, ay), (bx, by) = end.by_first, end.by_second
+        ax, ay = end.by_first
+        bx, by = end.by_second
         sx, sy = switch.by_first
         J = np.zeros((UNKNOWNS, UNKNOWNS))
         J[0, 4:] = ax / self.scale, bx * unit / self.scale
@@ -186,7 +187,8 @@ class Structure:
         """
         nu0, nu1, nu2, _ = costates.tolist()
         away = math.atan2(-nu2, -nu1)  # phi + pi
-        worst, heading = 0.0, 0.0
+        worst = 0.0
+        heading = 0.0
         for turn, duration in zip(self.turns, durations.tolist(), strict=True):
             low, high = sorted((heading, heading + turn * duration))
             if turn != 0 and duration > 0:

@@ -108,12 +108,13 @@ class ProvenResult(NamedTuple):
     nodes: int | None
     iterations: int | None  # of linear programs
     status: str
-    message: str
+    message: str = ""
 
     def counted(self, iterations: int | None, evaluations: int | None = None) -> EngineResult:
         """The result as an `EngineResult` with the given counts."""
+        x = np.empty(0) if self.x is None else self.x
         return EngineResult(
-            np.empty(0) if self.x is None else self.x,
+            x,
             self.claim,
             iterations=iterations,
             evaluations=evaluations,

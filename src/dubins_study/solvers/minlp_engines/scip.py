@@ -84,7 +84,15 @@ def scip(settings: Settings) -> MinlpCall:
         except Exception as error:
             if not str(error).startswith(BROKEN):
                 raise
-            return ProvenResult(None, Claim.FAILED, -math.inf, 0, None, str(error), str(error))
+            return ProvenResult(
+                None,
+                Claim.FAILED,
+                bound=-math.inf,
+                nodes=0,
+                iterations=None,
+                status=str(error),
+                message=str(error),
+            )
         return _result(model, x)
 
     return run
@@ -118,14 +126,12 @@ def translated(program: MixedProgram) -> tuple[Any, list[Any]]:
     import pyscipopt
 
     model = pyscipopt.Model()
-    x = [
-        model.addVar(
-            lb=lower if math.isfinite(lower) else None,
-            ub=upper if math.isfinite(upper) else None,
-            vtype="B" if binary else "C",
-        )
-        for lower, upper, binary in program.variables
-    ]
+    x = []
+    for lower, upper, binary in program.variables:
+        low = lower if math.isfinite(lower) else None
+        high = upper if math.isfinite(upper) else None
+        kind = "B" if binary else "C"
+        x.append(model.addVar(lb=low, ub=high, vtype=kind))
     written = program.write(x, pyscipopt)
     for row in written.rows:
         for relation in row.relations():

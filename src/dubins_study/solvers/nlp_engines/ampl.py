@@ -60,8 +60,15 @@ def ampl_minlp(settings: Settings, executable: str, names: Keywords) -> MinlpCal
         run = _Run(executable, options, names, perf_counter() + seconds)
         ended = _ended(program, None, run)
         point = None if np.isnan(ended.x).any() else ended.x
-        rest = ended.status, ended.message
-        return ProvenResult(point, ended.claim, -math.inf, None, None, *rest)
+        return ProvenResult(
+            point,
+            ended.claim,
+            bound=-math.inf,
+            nodes=None,
+            iterations=None,
+            status=ended.status,
+            message=ended.message,
+        )
 
     return solve
 
@@ -110,14 +117,16 @@ def _read(model: Any, written: NlFile, text: str, executable: str) -> EngineResu
         parse_asl_sol_file,
     )
 
-    variables, rows = list(model.x.values()), list(model.g.values())
+    variables = list(model.x.values())
+    rows = list(model.g.values())
     try:
         solution = parse_asl_sol_file(StringIO(text))
     except (PyomoException, ValueError, LookupError, AssertionError) as error:
         message = f"{executable}'s .sol file: {type(error).__name__}: {error}"
         return no_point(len(variables), Claim.FAILED, "no .sol file", message)
     claim = claim_of("ampl", str(solution.solve_code // 100))
-    status, message = f"solve_result_num {solution.solve_code}", " ".join(solution.message.split())
+    status = f"solve_result_num {solution.solve_code}"
+    message = " ".join(solution.message.split())
     loader = ASLSolFileSolutionLoader(solution, written.info, model)
     try:
         values = loader.get_vars(variables)

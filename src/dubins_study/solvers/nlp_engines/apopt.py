@@ -49,12 +49,13 @@ def apopt(options: OptionValues) -> NlpCall:
             status = "time limit"
             claim = claim_of("apopt", status)
             return EngineResult(x, claim, status=status, message="stopped")
-        known = chain.from_iterable(STATUSES["apopt"].values())
-        said = (line for line in known if line in log)
-        status = next(said, log.strip()[-200:] or "no words")
+        statuses = chain.from_iterable(STATUSES["apopt"].values())
+        printed = (line for line in statuses if line in log)
+        status = next(printed, log.strip()[-200:] or "no words")
         claim = claim_of("apopt", status)
         if claim is Claim.LOCAL and np.isnan(x).any():
-            claim, status = Claim.FAILED, "no results.json"
+            claim = Claim.FAILED
+            status = "no results.json"
         message = log[log.find("@error") :].strip() if "@error" in log else status
         iterations = _iterations(log)
         return EngineResult(x, claim, iterations=iterations, status=status, message=message)
@@ -99,7 +100,9 @@ def _model(program: Program, guess: FloatArray) -> str:
         "Intermediates": intermediates,
         "Equations": [*equations, f"minimize {text.objective}"],
     }
-    lines = [line for name, body in sections.items() for line in (name, *body, f"End {name}")]
+    lines = []
+    for name, body in sections.items():
+        lines += [name, *body, f"End {name}"]
     return "\n".join(("Model", *lines, "End Model", ""))
 
 
@@ -112,6 +115,7 @@ def _log(folder: FilePath, seconds: float) -> str | None:
 
     None if it was stopped at its time limit.
     """
+    before_start = None if sys.platform == "win32" else _lift_data_limit
     try:
         ended = subprocess.run(
             [_program(), _MODEL],
@@ -122,7 +126,7 @@ def _log(folder: FilePath, seconds: float) -> str | None:
             stderr=subprocess.STDOUT,
             timeout=seconds,
             check=False,
-            preexec_fn=None if sys.platform == "win32" else _lift_data_limit,
+            preexec_fn=before_start,
         )
     except subprocess.TimeoutExpired:
         return None

@@ -108,7 +108,8 @@ def _compiled(
 
     problem = {name: getattr(expressions, name) for name in ("x", "p", "f", "g")}
     options = _PLAIN | nested(dict(chosen))
-    n, m = expressions.x.numel(), expressions.g.numel()
+    n = expressions.x.numel()
+    m = expressions.g.numel()
     if plugin == "fatrop" and expressions.stages is not None:
         sizes = expressions.stages._asdict().items()
         options |= {name: list(size) for name, size in sizes} | {"equality": [True] * m}
@@ -135,8 +136,8 @@ _Call = Callable[..., tuple[FloatArray, FloatArray, dict[str, Any]]]
 def _plain(solver: Any) -> _Call:
     """Call a solver of `casadi.nlpsol` in the usual way."""
 
-    def run(*given: Any) -> tuple[FloatArray, FloatArray, dict[str, Any]]:
-        end = solver(**dict(zip(("x0", "p", "lbx", "ubx", "lbg", "ubg"), given, strict=True)))
+    def run(*values: Any) -> tuple[FloatArray, FloatArray, dict[str, Any]]:
+        end = solver(**dict(zip(("x0", "p", "lbx", "ubx", "lbg", "ubg"), values, strict=True)))
         return end["x"].full().ravel(), end["lam_g"].full().ravel(), solver.stats()
 
     return run
@@ -148,17 +149,18 @@ def _by_arrays(solver: Any) -> _Call:
     A usual call with arrays takes 0.2 ms to convert them, as long as Ipopt's iteration.
     """
     buffer, evaluate = solver.buffer()
-    given = [np.zeros(solver.numel_in(i)) for i in range(solver.n_in())]
-    for i, array in enumerate(given):
+    inputs = [np.zeros(solver.numel_in(i)) for i in range(solver.n_in())]
+    for i, array in enumerate(inputs):
         buffer.set_arg(i, memoryview(array.data))
-    x, duals = np.zeros(solver.numel_out("x")), np.zeros(solver.numel_out("lam_g"))
+    x = np.zeros(solver.numel_out("x"))
+    duals = np.zeros(solver.numel_out("lam_g"))
     for array, name in ((x, "x"), (duals, "lam_g")):
         buffer.set_res(solver.index_out(name), memoryview(array.data))
 
     before: dict[str, Any] = {}  # calls are counted over all runs
 
     def run(*values: Any) -> tuple[FloatArray, FloatArray, dict[str, Any]]:
-        for array, value in zip(given, values, strict=False):  # without a guess of the duals
+        for array, value in zip(inputs, values, strict=False):  # without a guess of the duals
             array[:] = value
         evaluate()
         stats = buffer.stats()
@@ -181,13 +183,13 @@ def nlpsol(options: OptionValues, plugin: str) -> NlpCall:
                 streams.enter_context(redirect_stdout(StringIO()))
                 streams.enter_context(redirect_stderr(StringIO()))
             watched = _PLUGINS[plugin].watched and needs_watch(max_iter, guess.size)
-            made, watch = _compiled(program.expressions, plugin, chosen, watched)
-            solve = made()
+            new_solver, watch = _compiled(program.expressions, plugin, chosen, watched)
+            solve = new_solver()
             if watch is not None:
                 watch.at = perf_counter() + seconds
-            ends = program.lower, program.upper, *(program.bounds or (0, 0))
+            low, high = program.bounds or (0, 0)  # of the equations
             try:
-                x, duals, stats = solve(guess, program.p, *ends)
+                x, duals, stats = solve(guess, program.p, program.lower, program.upper, low, high)
             except RuntimeError as error:
                 if not _PLUGINS[plugin].raises:
                     raise
@@ -213,11 +215,13 @@ def _result(plugin: str, x: FloatArray, duals: FloatArray, stats: dict[str, Any]
     # evaluations of objective or equations, whichever are more; alpaqa's psi evaluates both
     of_both = stats.get("n_call_nlp_fg", 0) + stats.get("n_call_nlp_psi", 0)
     of_one = max(stats.get("n_call_nlp_f", 0), stats.get("n_call_nlp_g", 0))
+    iteration_count = None if iterations is None else int(iterations)
+    finite_duals = duals if np.isfinite(duals).all() else None  # Bonmin returns none
     return EngineResult(
         x,
         claim(plugin, stats),
-        duals if np.isfinite(duals).all() else None,  # Bonmin returns none
-        iterations=None if iterations is None else int(iterations),
+        finite_duals,
+        iterations=iteration_count,
         evaluations=int(of_both + of_one),
         status=status,
         message=status.replace("_", " ").lower(),

@@ -52,8 +52,10 @@ def pyomo_model(program: MixedProgram, guess: FloatArray | None = None) -> Any:
     m.x = environ.Var(range(program.lower.size))
     for place, (low, high, binary) in enumerate(program.variables):
         variable = m.x[place]
-        variable.setlb(low if math.isfinite(low) else None)
-        variable.setub(high if math.isfinite(high) else None)
+        lower = low if math.isfinite(low) else None
+        upper = high if math.isfinite(high) else None
+        variable.setlb(lower)
+        variable.setub(upper)
         if binary:
             variable.domain = environ.Binary
         if guess is not None:

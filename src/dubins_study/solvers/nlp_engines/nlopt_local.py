@@ -44,7 +44,8 @@ def nlopt(options: OptionValues, algorithm: str, inner: str = "") -> NlpCall:
         import nlopt as library
 
         chosen = program.attainable(options, "constraint_tol")
-        allowed, most = chosen.pop("constraint_tol"), chosen.pop("maxeval", 0)
+        allowed = chosen.pop("constraint_tol")
+        most = chosen.pop("maxeval", 0)
         search = _search(algorithm, guess.size, chosen)
         if inner:
             search.set_local_optimizer(_search(inner, guess.size, chosen))

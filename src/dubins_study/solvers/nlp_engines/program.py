@@ -53,19 +53,21 @@ class Expressions:
         """The functions and the derivatives' places in casadi."""
         import casadi
 
-        x, f, g = self.x, self.f, self.g
+        x = self.x
+        f = self.f
+        g = self.g
         weight = casadi.SX.sym("weight")
         weights = casadi.SX.sym("weights", g.numel())
         lagrangian = weight * f + casadi.dot(weights, g)
         jacobian = casadi.jacobian(g, x)
         hessian: Any = casadi.tril(casadi.hessian(lagrangian, x)[0])
-        given = [x, self.p]
+        inputs = [x, self.p]
         return _Compiled(
-            f=casadi.Function("f", given, [f]),
-            gradient=casadi.Function("gradient", given, [casadi.gradient(f, x)]),
-            g=casadi.Function("g", given, [g]),
-            slopes=casadi.Function("slopes", given, [jacobian.nz[:]]),
-            curvatures=casadi.Function("curvatures", [*given, weight, weights], [hessian.nz[:]]),
+            f=casadi.Function("f", inputs, [f]),
+            gradient=casadi.Function("gradient", inputs, [casadi.gradient(f, x)]),
+            g=casadi.Function("g", inputs, [g]),
+            slopes=casadi.Function("slopes", inputs, [jacobian.nz[:]]),
+            curvatures=casadi.Function("curvatures", [*inputs, weight, weights], [hessian.nz[:]]),
             jacobian_at=np.array(jacobian.sparsity().get_triplet()),
             hessian_at=np.array(hessian.sparsity().get_triplet()),
         )
@@ -75,7 +77,9 @@ class Expressions:
 
         Whole matrices are filled here: casadi takes ten times as long, 50 ms at 200 legs.
         """
-        compiled, n, m = self._compiled, self.x.numel(), self.g.numel()
+        compiled = self._compiled
+        n = self.x.numel()
+        m = self.g.numel()
 
         def slopes(x: FloatArray) -> FloatArray:
             return np.asarray(compiled.slopes(x, p).full()).ravel()
@@ -95,12 +99,12 @@ class Expressions:
             return whole
 
         return Functions(
-            lambda x: float(compiled.f(x, p)),
-            lambda x: np.asarray(compiled.gradient(x, p).full()).ravel(),
-            lambda x: np.asarray(compiled.g(x, p).full()).ravel(),
-            jacobian,
-            hessian,
-            Entries(compiled.jacobian_at, slopes, compiled.hessian_at, curvatures),
+            objective=lambda x: float(compiled.f(x, p)),
+            gradient=lambda x: np.asarray(compiled.gradient(x, p).full()).ravel(),
+            equations=lambda x: np.asarray(compiled.g(x, p).full()).ravel(),
+            jacobian=jacobian,
+            hessian=hessian,
+            entries=Entries(compiled.jacobian_at, slopes, compiled.hessian_at, curvatures),
         )
 
 

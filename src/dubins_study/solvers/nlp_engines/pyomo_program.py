@@ -51,40 +51,45 @@ def asked(model: PyomoProgram, engine: NlpCall, native: bool) -> Ask:
             info = NLWriter().write(model.model, stream, linear_presolve=False)
         file = ca.NlpBuilder()
         file.import_nl(str(name))
-    given = [*model.unknowns, *model.data]
-    places = {id(variable): place for place, variable in enumerate(given)}
+    variables = [*model.unknowns, *model.data]
+    places = {id(variable): place for place, variable in enumerate(variables)}
     of_row = {id(row): place for place, row in enumerate(info.constraints)}
     rows = [of_row[id(row)] for row in model.rows]
     to_file = np.array([places[id(variable)] for variable in info.variables])
-    n, lowest, highest = len(model.unknowns), np.array(file.g_lb), np.array(file.g_ub)
+    n = len(model.unknowns)
+    lowest = np.array(file.g_lb)
+    highest = np.array(file.g_ub)
     # the file's order for an engine that gets the file, or else the caller's
     order = to_file[to_file < n] if native else np.arange(n)
-    x, parameters = ca.SX.sym("x", n), ca.SX.sym("data", len(model.data))
-    every = ca.SX(len(given), 1)
-    every[[*order.tolist(), *range(n, len(given))]] = ca.vertcat(x, parameters)
+    x = ca.SX.sym("x", n)
+    parameters = ca.SX.sym("data", len(model.data))
+    every = ca.SX(len(variables), 1)
+    every[[*order.tolist(), *range(n, len(variables))]] = ca.vertcat(x, parameters)
     written = ca.Function("file", [ca.vertcat(*file.x)], [file.f, ca.vertcat(*file.g)])
     f, g = written(every[to_file.tolist()])
     sided = np.flatnonzero((lowest != highest) & (not native))
     sides = ca.Function("sides", [x, parameters], [g[sided.tolist()]])
-    slack, bounds = ca.SX.sym("slack", sided.size), None
+    slack = ca.SX.sym("slack", sided.size)
+    bounds = None
     if native:
         bounds = lowest, highest
     else:
         g -= np.where(lowest == highest, lowest, 0.0)
         g[sided.tolist()] -= slack
-    expressions = Expressions(ca.vertcat(x, slack), parameters, f, g)
+    expressions = Expressions(ca.vertcat(x, slack), p=parameters, f=f, g=g)
 
     def ask(
         guess: FloatArray, data: FloatArray, lower: FloatArray, upper: FloatArray, seconds: float
     ) -> EngineResult:
-        begin, low, high = guess[order], lower[order], upper[order]
+        begin = guess[order]
+        low, high = lower[order], upper[order]
         if not native:
             begin = np.clip(begin, low, high)
             slacks = np.asarray(sides(begin, data)).ravel()
             begin = np.append(begin, np.clip(slacks, lowest[sided], highest[sided]))
             low, high = np.append(low, lowest[sided]), np.append(high, highest[sided])
         magnitude = 1.0 + float(np.abs(data).sum())
-        program = Program(expressions, data, low, high, None, magnitude, bounds)
+        program = Program(expressions, data, low, high, magnitude=magnitude, bounds=bounds)
         result = engine(program, begin, seconds)
         point = np.empty(n)
         point[order] = result.x[:n]

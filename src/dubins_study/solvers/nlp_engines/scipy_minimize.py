@@ -37,13 +37,13 @@ def slsqp(options: OptionValues) -> NlpCall:
 
     def run(program: Program, guess: FloatArray, seconds: float) -> EngineResult:
         functions = program.functions
-        watched = needs_watch(options.get("maxiter"), guess.size)
+        limit = seconds if needs_watch(options.get("maxiter"), guess.size) else None
         equations = {"type": "eq", "fun": functions.equations, "jac": functions.jacobian}
         result = _minimized(
             "SLSQP",
             program,
             guess,
-            seconds if watched else None,
+            limit,
             jac=functions.gradient,
             constraints=equations,
             options=program.attainable(options, "ftol"),
@@ -88,11 +88,13 @@ def trust_constr(options: OptionValues) -> NlpCall:
         from scipy.sparse import csr_array
 
         functions = program.functions if guess.size <= _MOST_DENSE else _sparse(program)
-        none, zeros = np.zeros(0), csr_array((guess.size, guess.size))
+        none = np.zeros(0)
+        zeros = csr_array((guess.size, guess.size))
         constrained = functions.equations(guess).size > 0  # SciPy refuses an empty constraint
         equations = NonlinearConstraint(
             functions.equations, 0.0, 0.0, jac=functions.jacobian, hess=functions.hessian
         )
+        constraints = equations if constrained else ()
         with warnings.catch_warnings():
             # SciPy warns of a singular Jacobian, which it then factorizes in another way
             warnings.simplefilter("ignore", UserWarning)
@@ -104,10 +106,11 @@ def trust_constr(options: OptionValues) -> NlpCall:
                 jac=functions.gradient,
                 # that of the equations has the objective's curvature in it
                 hess=lambda x: zeros if constrained else functions.hessian(x, none),
-                constraints=equations if constrained else (),
+                constraints=constraints,
                 options=program.attainable(options, "gtol", "barrier_tol"),
             )
-        return _ended("trust-constr", result, np.asarray(result.v[0]) if constrained else None)
+        duals = np.asarray(result.v[0]) if constrained else None
+        return _ended("trust-constr", result, duals)
 
     return run
 
@@ -118,7 +121,8 @@ def _sparse(program: Program) -> Functions:
 
     functions = program.functions
     entries = functions.entries
-    n, m = program.lower.size, functions.equations(program.lower).size
+    n = program.lower.size
+    m = functions.equations(program.lower).size
     rows, columns = entries.hessian_at
     below = rows != columns
     both = np.hstack((entries.hessian_at, entries.hessian_at[::-1, below]))
@@ -155,7 +159,8 @@ def _minimized(
 
 def _ended(method: str, result: Any, duals: FloatArray | None) -> EngineResult:
     """SciPy's result as an `EngineResult`."""
-    native = f"{'mode' if method == 'SLSQP' else 'status'} {result.status}"
+    name = "mode" if method == "SLSQP" else "status"
+    native = f"{name} {result.status}"
     return EngineResult(
         result.x,
         claim_of(method.lower(), native),
@@ -179,7 +184,8 @@ def _duals(result: Any, program: Program) -> FloatArray | None:
     if duals is None:
         return None
     if not math.hypot(*duals) < _LONG_DUAL:
-        functions, x = program.functions, result.x
+        functions = program.functions
+        x = result.x
         slope = functions.gradient(x) - duals @ functions.jacobian(x)
         between = (x > program.lower + _AT_BOUND) & (x < program.upper - _AT_BOUND)
         if not (np.abs(slope[between]) <= _STATIONARY).all():

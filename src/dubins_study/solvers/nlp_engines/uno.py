@@ -57,7 +57,8 @@ def _model(program: Program, guess: FloatArray) -> Any:
 
     functions = program.functions
     entries = functions.entries
-    n, m = guess.size, functions.equations(guess).size
+    n = guess.size
+    m = functions.equations(guess).size
 
     def filling(function: Callable[[FloatArray], FloatArray]) -> Callable[[Any, Any], None]:
         def fill(x: Any, values: Any) -> None:
@@ -77,8 +78,9 @@ def _model(program: Program, guess: FloatArray) -> Any:
     )
     zeros = np.zeros(m)
     rows, columns = entries.jacobian_at.tolist()
-    jacobian = len(rows), rows, columns, filling(entries.jacobian)
-    model.set_constraints(m, filling(functions.equations), zeros, zeros, *jacobian)
+    equations = filling(functions.equations)
+    jacobian = filling(entries.jacobian)
+    model.set_constraints(m, equations, zeros, zeros, len(rows), rows, columns, jacobian)
     rows, columns = entries.hessian_at.tolist()
     model.set_lagrangian_hessian(len(rows), unopy.LOWER_TRIANGLE, rows, columns, hessian)
     model.set_lagrangian_sign_convention(unopy.MULTIPLIER_POSITIVE)

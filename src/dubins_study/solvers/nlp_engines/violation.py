@@ -62,10 +62,10 @@ def violation_slope(program: Program, x: FloatArray) -> float | None:
         return None
     slopes = csr_array(coo_array((entries, (rows, columns)), shape=(g.size, x.size)))
     box = np.maximum(program.lower - x, -_STEP), np.minimum(program.upper - x, _STEP)
-    left = [_least_sum(slopes, high - g, g - low, box) / abs(off).sum()]
+    shares = [_least_sum(slopes, high - g, g - low, box) / abs(off).sum()]
     if x.size <= _MOST and program.bounds is None:
-        left.append(_least_length(slopes, off, box) / float(np.linalg.norm(off)))
-    return float(np.clip(1.0 - np.nanmax([0.0, *left]), 0.0, 1.0))
+        shares.append(_least_length(slopes, off, box) / float(np.linalg.norm(off)))
+    return float(np.clip(1.0 - np.nanmax([0.0, *shares]), 0.0, 1.0))
 
 
 def _least_sum(

@@ -28,7 +28,8 @@ _LONG_SECOND_ARC = (math.pi / 12, 0.0, math.pi / 6)
 # rad; the long second arc falls from a full turn to half of one where the target's distance from
 # the first centre grows from 1 to 3 radii. Its guess falls with the distance as a line does, but
 # not below three quarters of a turn: from further down engines may reach the short second arc.
-_LONGEST_SECOND, _LEAST_SECOND = 6.0, 3 * math.pi / 2
+_LONGEST_SECOND = 6.0
+_LEAST_SECOND = 3 * math.pi / 2
 
 # If the branch is LR or RL itself, either solution may be the shorter: the second arc may be below
 # pi or above. These turn the first arc by so much past the target's direction from the first
@@ -73,7 +74,8 @@ def initial_guesses(
         plus 2.
     `given`: only the question's own guess.
     """
-    subproblem, target = case.subproblem, case.target
+    subproblem = case.subproblem
+    target = case.target
     if question.initial_guess is not None:
         path = question.guess_in_radii
         warm = None if path is None else _from_path(path, subproblem)
@@ -108,8 +110,8 @@ def _words_of(subproblem: Subproblem, both: bool) -> list[str]:
     With `both` orders, only those that begin as the subproblem does.
     """
     name = subproblem.name
-    held = [word for word in WORDS if -1 < name.find(word[0]) < name.find(word[1])]
-    return [word for word in held if word[0] == name[0]] if both else held
+    words = [word for word in WORDS if -1 < name.find(word[0]) < name.find(word[1])]
+    return [word for word in words if word[0] == name[0]] if both else words
 
 
 def suffices(question: Question, subproblem: Subproblem, kind: str, z: FloatArray) -> bool:
@@ -146,7 +148,8 @@ def bearing_guesses(case: Case, prescribed: bool) -> Iterator[tuple[float, float
         yield _toward(case.target)
         return
     bearing = math.atan2(Y, X)
-    facing = (bearing if free[0] == 0 else -bearing) % TWO_PI
+    signed = bearing if free[0] == 0 else -bearing
+    facing = signed % TWO_PI
     if min(facing, TWO_PI - facing) < _STRAIGHT:
         yield 0.0, 0.0, distance
         return
@@ -170,7 +173,8 @@ def _first(case: Case, word: str, prescribed: bool) -> FloatArray:
     Shape (3,), in the case's order of turns.
     """
     mirrored = case.subproblem.mirrored
-    of_word = case_of(word, case.target.mirrored if mirrored else case.target)
+    target = case.target.mirrored if mirrored else case.target
+    of_word = case_of(word, target)
     point = np.array(next(bearing_guesses(of_word, prescribed))) * of_word.subproblem.mask
     return point if mirrored == of_word.subproblem.mirrored else point[[1, 0, 2]]
 

@@ -95,7 +95,8 @@ def case_of(name: str, target: Local) -> Case:
     `target` is in body coordinates.
     """
     subproblem = SUBPROBLEMS[name]
-    return Case(subproblem, target.mirrored if subproblem.mirrored else target)
+    case_target = target.mirrored if subproblem.mirrored else target
+    return Case(subproblem, case_target)
 
 
 class PosedLeg(NamedTuple):

@@ -77,10 +77,12 @@ def one_sided_only(question: Question, target: Local, path: Path) -> str | None:
     first, and so enter the turning circle, which no path of the word does. So the word is driven
     with the path's own turn and straight, moved until they meet the target.
     """
-    scenario, word = question.scenario, question.branch
+    scenario = question.scenario
+    word = question.branch
     if word not in ("LS", "RS"):
         return None
-    case, turn = case_of(word, target), abs(path.turn)
+    case = case_of(word, target)
+    turn = abs(path.turn)
     free = list(case.subproblem.free)
     straight = path.length / scenario.radius - turn
     assert scenario.target is not None
@@ -118,9 +120,10 @@ def polish(case: Case, z: FloatArray) -> tuple[FloatArray, float]:
         for halving in range(_HALVINGS):
             ahead = at.copy()
             ahead[free] = np.clip(at[free] + step * 0.5**halving, 0.0, upper)
-            left = equations(ahead, X, Y)
-            if np.hypot(*left) < np.hypot(*residual):
-                at, residual = ahead, left
+            residual_ahead = equations(ahead, X, Y)
+            if np.hypot(*residual_ahead) < np.hypot(*residual):
+                at = ahead
+                residual = residual_ahead
                 break
         else:
             break

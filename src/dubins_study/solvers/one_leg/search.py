@@ -16,11 +16,11 @@ from dubins_study.solvers.runs import (
     Attempts,
     EngineResult,
     Run,
+    best_run_and_claim,
     nothing_found,
-    settled,
+    run_attempts,
     spent,
     timed,
-    tried,
 )
 from dubins_study.study.arrays import FloatArray
 from dubins_study.study.words import DENIALS, Claim
@@ -50,11 +50,11 @@ def searched(
         run = timed(case.subproblem.name, partial(solve, case), length)
         return Attempts(guesses(case), run, enough)
 
-    return _chosen(posed, tried(map(of, posed.cases), until))
+    return _chosen(posed, run_attempts(map(of, posed.cases), until))
 
 
 def _chosen(posed: PosedLeg, runs: list[Run[FloatArray]]) -> Solution:
-    """The answer of all runs (`runs.settled`)."""
+    """The answer of all runs (`runs.best_run_and_claim`)."""
     if not runs:
         return nothing_found(runs)
     scenario = posed.question.scenario
@@ -63,7 +63,7 @@ def _chosen(posed: PosedLeg, runs: list[Run[FloatArray]]) -> Solution:
         X, Y, _ = case_of(run.subproblem, posed.target).target
         return float(np.abs(equations(run.point, X, Y)).sum())
 
-    best, claim = settled(runs, residual)
+    best, claim = best_run_and_claim(runs, residual)
     subproblem = case_of(best.subproblem, posed.target).subproblem
     duals = best.result.duals
     multipliers = None
@@ -73,10 +73,12 @@ def _chosen(posed: PosedLeg, runs: list[Run[FloatArray]]) -> Solution:
     # a point that its engine calls infeasible is no path, and some engines return no numbers when
     # they fail
     pathless = claim in DENIALS or bool(np.isnan(best.point).all())
+    path = None if pathless else as_path(scenario, subproblem, best.point)
+    claimed_length = best.length * scenario.radius if claim is Claim.LOCAL else None
     return Solution(
         claim,
-        path=None if pathless else as_path(scenario, subproblem, best.point),
-        claimed_length=best.length * scenario.radius if claim is Claim.LOCAL else None,
+        path=path,
+        claimed_length=claimed_length,
         multipliers=multipliers,
         message=f"{best.subproblem}: {best.result.message}",
         **spent(runs, best),

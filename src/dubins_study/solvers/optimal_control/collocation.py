@@ -83,9 +83,8 @@ def pyomo_model(shape: Shape) -> Any:
     m = pyo.ConcreteModel(name="dubins-2.2")
     m.tau = ContinuousSet(initialize=range(n * legs + 1))
     m.elements = pyo.RangeSet(n * legs)
-    m.duration = pyo.Var(
-        pyo.RangeSet(legs) if equal else m.elements, bounds=(0, None), initialize=1.0
-    )
+    timed = pyo.RangeSet(legs) if equal else m.elements
+    m.duration = pyo.Var(timed, bounds=(0, None), initialize=1.0)
     m.turn = pyo.Var(m.elements, initialize=0.0)
     m.data = pyo.Var(range(2 * legs + final), initialize=1.0)
     m.x, m.y, m.theta = (pyo.Var(m.tau, initialize=0.0) for _ in range(3))
@@ -141,8 +140,10 @@ class Collocation(NlpTranscription):
     }
 
     def template(self, course: Course) -> Template:
-        n, legs, equal = self.n, course.legs, self.mesh == "equal"
-        shape = Shape(n, self.points, equal, legs, course.last is not None)
+        n = self.n
+        legs = course.legs
+        equal = self.mesh == "equal"
+        shape = Shape(n, self.points, equal=equal, legs=legs, final=course.last is not None)
         compiled = template(shape, self.engine, self.tol, self.max_iter, self.options)
 
         def solve(guess: Guess, rates: Rates, until: float) -> Transcribed:
@@ -153,10 +154,12 @@ class Collocation(NlpTranscription):
             turn, length = guess.elements
             times = length.reshape(legs, -1).sum(axis=1) if equal else length
             fraction = compiled.fraction
-            each, each_length = (np.repeat(part, fraction.size) for part in guess.elements)
+            each_turn = np.repeat(turn, fraction.size)
+            each_length = np.repeat(length, fraction.size)
             x, y, heading = guess.states(legs, fraction).T
-            slopes = each_length * np.cos(heading), each_length * np.sin(heading), each
-            values = np.concatenate((times, turn, x, y, heading, *slopes))
+            dx = each_length * np.cos(heading)
+            dy = each_length * np.sin(heading)
+            values = np.concatenate((times, turn, x, y, heading, dx, dy, each_turn))
             lower, upper = np.full(values.size, -math.inf), np.full(values.size, math.inf)
             lower[: times.size] = 0.0
             turns = slice(times.size, times.size + turn.size)
@@ -168,4 +171,5 @@ class Collocation(NlpTranscription):
             length = np.repeat(driven / n, n) if equal else driven
             return Transcribed(Elements(result.x[turns], length).within(rates), result)
 
-        return Template(np.full((legs, n), 1 / n) if equal else None, solve)
+        shares = np.full((legs, n), 1 / n) if equal else None
+        return Template(shares, solve)

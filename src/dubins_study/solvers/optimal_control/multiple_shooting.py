@@ -60,7 +60,8 @@ class MultipleShooting(NlpTranscription):
         The poses of the guess follow its controls.
         """
         turn, length = guess.elements
-        legs, equal = course.legs, self.mesh == "equal"
+        legs = course.legs
+        equal = self.mesh == "equal"
         # a side that a word has not is no variable: engines do badly with one that is fixed
         signs = tuple(sign for sign, rate in ((1, rates.upper), (-1, rates.lower)) if rate != 0)
         turns = [np.maximum(sign * turn, 0.0) for sign in signs]
@@ -113,7 +114,8 @@ def expressions(n: int, signs: tuple[int, ...], equal: bool, legs: int, final: b
     pose = ca.SX.sym("pose", _POSE, segments)
     control = ca.SX.sym("control", len(signs) + 1, segments)
     data = ca.SX.sym("data", 2 * legs + final)
-    length, gaps = ca.sum1(control), []
+    length = ca.sum1(control)
+    gaps = []
     state = [ca.SX(0)] * _POSE
     for k in range(segments):
         x, y, heading = state
@@ -132,9 +134,10 @@ def expressions(n: int, signs: tuple[int, ...], equal: bool, legs: int, final: b
             gaps.append(data[2 * leg : 2 * leg + 2] - end[:2])
     variables = ca.vec(ca.vertcat(pose, control))[_POSE:]
     stages = Stages(
-        (0, *(_POSE,) * (segments - 1)),
-        (len(signs) + 1,) * segments,
-        tuple(2 * (k % n == n - 1) + final * (k == segments - 1) for k in range(segments)),
+        nx=(0, *(_POSE,) * (segments - 1)),
+        nu=(len(signs) + 1,) * segments,
+        ng=tuple(2 * (k % n == n - 1) + final * (k == segments - 1) for k in range(segments)),
     )
     g = ca.vertcat(*gaps)
-    return Expressions(variables, data, ca.sum2(length), g, stages=None if equal else stages)
+    used_stages = None if equal else stages
+    return Expressions(variables, p=data, f=ca.sum2(length), g=g, stages=used_stages)

@@ -37,9 +37,9 @@ from dubins_study.solvers.runs import (
     Run,
     at_start,
     nothing_found,
+    run_attempts,
     spent,
     total,
-    tried,
 )
 from dubins_study.solvers.setting_checks import iterations, one_of, option_set, tolerance, whole
 from dubins_study.study.angle import TWO_PI
@@ -68,10 +68,10 @@ class Guess(NamedTuple):
 
         In each element they lie at `fraction` (k,) of its length.
         """
-        rate, length = (
-            each.reshape(legs, -1) for each in (self.elements.rate, self.elements.length)
-        )
-        start, poses = HERE, []
+        rate = self.elements.rate.reshape(legs, -1)
+        length = self.elements.length.reshape(legs, -1)
+        start = HERE
+        poses = []
         for leg in range(legs):
             if self.begins is not None:
                 start = Pose(*self.begins[leg])
@@ -166,7 +166,8 @@ class Transcription(EngineSolver):
         return PosedCourse(question, course, RATES[question.branch], self.template(course))
 
     def solve(self, model: PosedCourse, limit: float) -> Solution:
-        question, course = model.question, model.course
+        question = model.question
+        course = model.course
         rounding = coordinate_rounding(question.scenario)
         if there := at_start(question.scenario, course.target, rounding):
             return there
@@ -178,18 +179,22 @@ class Transcription(EngineSolver):
         every = self.initial_guess == "random"
         run = partial(self._run, model)
         each = (Attempts(guesses, run, lambda _: not every) for guesses in trials(model, self))
-        return _answer(model, tried(each, until), in_time=perf_counter() <= until)
+        return _answer(model, run_attempts(each, until), in_time=perf_counter() <= until)
 
     def _run(self, model: PosedCourse, guess: Guess, until: float) -> Run[Elements]:
-        began, course = perf_counter(), model.course
+        began = perf_counter()
+        course = model.course
         elements, native = model.template.solve(guess, model.rates, until)
         # a path that is optimal for a transcription is not proven for the problem itself
         claim = Claim.LOCAL if native.claim is Claim.OPTIMAL else native.claim
-        missed, off, rollouts = math.inf, math.inf, 0
+        missed = math.inf
+        off = math.inf
+        rollouts = 0
         if not (np.isfinite(elements.turn).all() and np.isfinite(elements.length).all()):
             claim = Claim.FAILED
         else:
-            missed, rollouts = miss(elements, course), 1
+            missed = miss(elements, course)
+            rollouts = 1
             off = missed
             if self.correct:
                 fixed = model.template.shares is not None
@@ -201,7 +206,8 @@ class Transcription(EngineSolver):
             evaluations=total((native.evaluations, rollouts)),
             message=f"{native.message}; missed by {missed:.1e} radii before the correction",
         )
-        seconds, length = perf_counter() - began, elements.total
+        seconds = perf_counter() - began
+        length = elements.total
         return Run(guess.subproblem, seconds, result, elements, length=length, miss=off)
 
 
@@ -233,8 +239,8 @@ class NlpTranscription(Transcription):
 
     @property
     def method(self) -> Method:
-        posed = self.formulation, self.initial_guess
-        return self.library.method(*posed, self.options, self.tol)
+        guess = self.initial_guess
+        return self.library.method(self.formulation, guess, self.options, self.tol)
 
 
 def _arrives(off: float, course: Course) -> bool:
@@ -249,7 +255,9 @@ def _answer(model: PosedCourse, runs: list[Run[Elements]], in_time: bool) -> Sol
     """
     if not runs:
         return nothing_found(runs)
-    scenario, rates, course = model.question.scenario, model.rates, model.course
+    scenario = model.question.scenario
+    rates = model.rates
+    course = model.course
     arrived = [run for run in runs if run.claim is Claim.LOCAL or _arrives(run.miss, course)]
     most = min((run.length for run in arrived), default=math.inf) * (1 + _SAME)
 
@@ -257,7 +265,8 @@ def _answer(model: PosedCourse, runs: list[Run[Elements]], in_time: bool) -> Sol
         return run.length > most, run.claim is not Claim.LOCAL, run.length
 
     best = min(arrived, key=rank) if arrived else min(runs, key=lambda run: run.miss)
-    claim, message = best.claim, best.result.message
+    claim = best.claim
+    message = best.result.message
     if not in_time:
         claim = Claim.LIMIT
     elif claim is not Claim.LOCAL and _arrives(best.miss, course):
@@ -273,13 +282,16 @@ def _answer(model: PosedCourse, runs: list[Run[Elements]], in_time: bool) -> Sol
         if claim in (Claim.LOCAL, Claim.FEASIBLE) and course.target is not None:
             reason = one_sided_only(model.question, course.target, path)
             if reason is not None:
-                claim, message = Claim.FAILED, reason
+                claim = Claim.FAILED
+                message = reason
     duals = best.result.duals if claim is Claim.LOCAL else None
+    claimed_length = None if path is None else best.length * scenario.radius
+    multipliers = None if duals is None else in_world(scenario, duals)
     return Solution(
         claim,
         path=path,
-        claimed_length=None if path is None else best.length * scenario.radius,
-        multipliers=None if duals is None else in_world(scenario, duals),
+        claimed_length=claimed_length,
+        multipliers=multipliers,
         message=message,
         **spent(runs, best),
     )
@@ -306,7 +318,9 @@ def trials(model: PosedCourse, solver: Transcription) -> Iterator[Iterator[Guess
     - `given`: the question's own path only, if there is one.
     """
     question, course, _, template = model
-    shares, name, n = template.shares, solver.initial_guess, solver.n
+    shares = template.shares
+    name = solver.initial_guess
+    n = solver.n
     warm = _given(question, course, n, shares)
     if name == "given" and warm:
         yield iter(warm)
@@ -320,7 +334,8 @@ def trials(model: PosedCourse, solver: Transcription) -> Iterator[Iterator[Guess
         cold = [iter([_straight(course, n, shares)])]
     elif course.target is not None and name != "one":
         target = course.target
-        share, most = None if shares is None else shares[0], 1 if name == "words" else None
+        share = None if shares is None else shares[0]
+        most = 1 if name == "words" else None
 
         def shaped(word: str) -> Iterator[Guess]:
             case = case_of(word, target)
@@ -366,7 +381,9 @@ def _straight(course: Course, n: int, shares: FloatArray | None) -> Guess:
 
 def _random(model: PosedCourse, solver: Transcription) -> Iterator[Guess]:
     question, course, rates, template = model
-    n, shares, repeat = solver.n, template.shares, question.repeat
+    n = solver.n
+    shares = template.shares
+    repeat = question.repeat
     random = np.random.default_rng((solver.seed + repeat, repeat))
     longest = (2 * np.hypot(*course.steps.T) + 2 + TWO_PI)[:, None]
     for _ in range(solver.count):  # one by one: time may be up long before the last
@@ -392,9 +409,9 @@ def _given(question: Question, course: Course, n: int, shares: FloatArray | None
     away = np.hypot(*(path.at(places)[:, :2] - points).T)
     ends = np.maximum.accumulate(places[away.argmin(axis=0)]) if len(points) else places[:0]
     bounds = np.concatenate(([0.0], ends, [path.length]))
-    done = np.cumsum(path.lengths) - path.lengths
+    begins = np.cumsum(path.lengths) - path.lengths
     legs = [
-        Path(HERE, path.curvatures, np.clip(path.lengths + done, a, b) - np.clip(done, a, b))
+        Path(HERE, path.curvatures, np.clip(path.lengths + begins, a, b) - np.clip(begins, a, b))
         for a, b in pairwise(bounds)
     ]
     return [Guess("warm", _cut_legs(legs, n, shares))]

@@ -80,8 +80,7 @@ class TurnRateQp(Transcription):
 
     @property
     def method(self) -> Method:
-        label = self.library.label
-        return Method("turn rates", label, self.initial_guess, self.tolerance)
+        return Method("turn rates", self.library.label, self.initial_guess, self.tolerance)
 
     def template(self, course: Course) -> Template:
         qp = template(self.n, course.legs, course.last is not None, self.engine)
@@ -115,9 +114,12 @@ class Sequence:
     def __init__(
         self, solver: TurnRateQp, qp: QpTemplate, rates: Rates, course: Course, deadline: float
     ) -> None:
-        self.qp, self.solver = qp, solver
+        self.qp = qp
+        self.solver = solver
         self.options = solver.library.options.of(solver.options)
-        self.rates, self.course, self.deadline = rates, course, deadline
+        self.rates = rates
+        self.course = course
+        self.deadline = deadline
 
     def run(self, guess: Elements) -> Transcribed:
         """Solve from one initial guess.
@@ -127,11 +129,15 @@ class Sequence:
         self.restored = False
         self.qp.memory.clear()  # no answer depends on an earlier question
         self._begin(guess.within(self.rates))
-        self.qps, self.rollouts, failures = 0, 1, 0
-        claim, status = Claim.FEASIBLE, "QP limit"
+        self.qps = 0
+        self.rollouts = 1
+        failures = 0
+        claim = Claim.FEASIBLE
+        status = "QP limit"
         while self.qps < self.solver.max_qps:
             if time.perf_counter() > self.deadline:
-                claim, status = Claim.LIMIT, "time limit"
+                claim = Claim.LIMIT
+                status = "time limit"
                 break
             self.qps += 1
             try:
@@ -140,20 +146,24 @@ class Sequence:
                 failures += 1
                 self.reach *= 0.3
                 if failures > _RETRIES:
-                    claim, status = Claim.FAILED, str(error)
+                    claim = Claim.FAILED
+                    status = str(error)
                     break
                 continue
             if converged:
-                claim, status = Claim.LOCAL, "converged"
+                claim = Claim.LOCAL
+                status = "converged"
                 break
         if claim is Claim.LOCAL and not self._arrived():
-            claim, status = Claim.LOCALLY_INFEASIBLE, "a dead end off the target"
+            claim = Claim.LOCALLY_INFEASIBLE
+            status = "a dead end off the target"
         elements, _, used, _ = corrected(self.now, self.rates, self.course)
         self.rollouts += used
+        duals = self.duals[-1] if claim is Claim.LOCAL else None
         result = EngineResult(
             np.append(elements.turn, elements.length),
             claim,
-            duals=self.duals[-1] if claim is Claim.LOCAL else None,
+            duals=duals,
             iterations=self.qps,
             evaluations=self.rollouts,
             status=status,
@@ -162,14 +172,19 @@ class Sequence:
         return Transcribed(elements, result)
 
     def _begin(self, elements: Elements) -> None:
-        self.penalty, self.reach, self.ease = 10.0, 1.0, 1.0
-        self.now, self.rolled = elements, rollout(elements)
+        self.penalty = 10.0
+        self.reach = 1.0
+        self.ease = 1.0
+        self.now = elements
+        self.rolled = rollout(elements)
         ends = np.cumsum(elements.turn).reshape(self.course.legs, -1)[:, -1]
         self.duals = np.column_stack([np.cos(ends), np.sin(ends)])
 
     def _ask(self) -> QpAnswer:
         """Linearise at the present point and solve the QP."""
-        now, rolled, legs = self.now, self.rolled, self.course.legs
+        now = self.now
+        rolled = self.rolled
+        legs = self.course.legs
         self.scale = scale = now.total / legs
         self.unit = unit = min(1.0, scale)  # a short path's headings change by about its length
         chords = rolled.chords.reshape(2, legs, -1)
@@ -180,7 +195,8 @@ class Sequence:
         by_before = rolled.by_before.reshape(2, legs, -1)
         G = rolled.by_after.reshape(2, legs, -1).copy()
         G[:, :, :-1] += by_before[:, :, 1:]
-        lengths, turns = now.length / unit, now.turn / unit
+        lengths = now.length / unit
+        turns = now.turn / unit
         upper, lower = self.rates.upper * lengths, self.rates.lower * lengths
         numbers = Numbers(
             G=G * (unit / scale),
@@ -226,14 +242,18 @@ class Sequence:
             self.rollouts += used
             better = before - self._merit(closer, bent)
             if better > gain:
-                trial, rolled, gain = closer, bent, better
+                trial = closer
+                rolled = bent
+                gain = better
         if promised < self.solver.tolerance * self.now.total:
             if not answer.solved:
                 raise EngineError("the engine stopped at its limit, before any gain")
             return self._arrived() or not (self._raise_penalty() or self._restore())
         self._adapt(answer, gain / promised)
         if gain > 0.05 * promised:
-            self.now, self.rolled, self.duals = trial, rolled, answer.duals
+            self.now = trial
+            self.rolled = rolled
+            self.duals = answer.duals
         return False
 
     def _arrived(self) -> bool:
@@ -273,7 +293,8 @@ class Sequence:
 
         `ratio` is the gain over the predicted gain.
         """
-        turned, stretched = self.unit * float(np.abs(answer.z).max()), float(np.abs(answer.t).max())
+        turned = self.unit * float(np.abs(answer.z).max())
+        stretched = float(np.abs(answer.t).max())
         if ratio > 0.75 and max(turned, 2 * stretched) > 0.9 * self.reach:
             self.reach = min(2 * self.reach, 4.0)
         elif ratio < 0.25:

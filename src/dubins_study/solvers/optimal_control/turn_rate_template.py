@@ -91,10 +91,15 @@ class QpTemplate:
     def __init__(self, n: int, legs: int, final: bool, engine: str) -> None:
         import cvxpy as cp
 
-        self.engine, self.n, self.legs, N = engine, n, legs, n * legs
-        self.z, self.t = cp.Variable(N), cp.Variable(legs)
+        self.engine = engine
+        self.n = n
+        self.legs = legs
+        N = n * legs
+        self.z = cp.Variable(N)
+        self.t = cp.Variable(legs)
         self.s = cp.Variable((4, legs))
-        self.s_h = cp.Variable(2 if final else 0)
+        slacks = 2 if final else 0
+        self.s_h = cp.Variable(slacks)
         # the shapes of the numbers, in their order
         shapes = [(2, N), *[(2, legs)] * 3, (legs,), *[(N,)] * 5, *[(1,)] * 5]
         ends = np.cumsum([np.prod(shape) for shape in shapes])
@@ -120,7 +125,8 @@ class QpTemplate:
         """
         import cvxpy as cp
 
-        n, legs = self.n, self.legs
+        n = self.n
+        legs = self.legs
         ones = np.ones(n * legs)
         turn = diags_array([ones, -ones[1:]], offsets=[0, -1], format="csc") @ self.z
         a_leg = kron(eye_array(legs), np.ones((1, n)), format="csr")  # adds up a leg's steps
@@ -190,8 +196,10 @@ class QpTemplate:
         status = str(self.solution.status)
         if status not in cp.settings.SOLUTION_PRESENT:
             raise EngineError(status)
-        values, dual_values = self.solution.primal_vars, self.solution.dual_vars
-        z, t = values[self.z.id], values[self.t.id]
+        values = self.solution.primal_vars
+        dual_values = self.solution.dual_vars
+        z = values[self.z.id]
+        t = values[self.t.id]
         slack = sum(float(np.abs(values[s.id]).sum()) for s in (self.s, self.s_h) if s.size)
         # not the problem's value, which is at the numbers of the compilation
         bend = 0.5 * (numbers.c @ z**2)
@@ -199,7 +207,7 @@ class QpTemplate:
         duals = -np.column_stack([dual_values[end.id] for end in self.ends])
         if not (np.isfinite(value) and np.isfinite(duals).all()):
             raise EngineError(f"{status}, with numbers that are not finite")
-        return QpAnswer(z, t, duals, slack, value, status == cp.OPTIMAL)
+        return QpAnswer(z, t, duals, slack=slack, value=value, solved=status == cp.OPTIMAL)
 
 
 def _values(array: Any) -> Any:

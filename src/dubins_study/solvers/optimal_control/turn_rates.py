@@ -105,18 +105,23 @@ def expressions(n: int, legs: int, final: bool) -> Expressions:
     """
     import casadi as ca
 
-    rate, whole = ca.SX.sym("rate", n * legs), ca.SX.sym("whole", legs)
-    points, share = ca.SX.sym("points", 2 * legs), ca.SX.sym("share", n * legs)
-    given, gaps = ca.SX.sym("given", int(final)), []
-    x, y, heading = ca.SX(0), ca.SX(0), ca.SX(0)
+    rate = ca.SX.sym("rate", n * legs)
+    whole = ca.SX.sym("whole", legs)
+    points = ca.SX.sym("points", 2 * legs)
+    share = ca.SX.sym("share", n * legs)
+    final_heading = ca.SX.sym("given", int(final))
+    gaps = []
+    x, y = ca.SX(0), ca.SX(0)
+    heading = ca.SX(0)
     for k in range(n * legs):
         leg = k // n
         length = share[k] * whole[leg]
         along, across = chord(heading, rate[k] * length, length)
-        x, y, heading = x + along, y + across, heading + rate[k] * length
+        x, y = x + along, y + across
+        heading = heading + rate[k] * length
         if k % n == n - 1:
             gaps.append(points[2 * leg : 2 * leg + 2] - ca.vertcat(x, y))
     if final:
-        gaps.insert(0, heading_gap(heading, given))
-    data = ca.vertcat(points, given, share)
-    return Expressions(ca.vertcat(rate, whole), data, ca.sum1(whole), ca.vertcat(*gaps))
+        gaps.insert(0, heading_gap(heading, final_heading))
+    data = ca.vertcat(points, final_heading, share)
+    return Expressions(ca.vertcat(rate, whole), p=data, f=ca.sum1(whole), g=ca.vertcat(*gaps))

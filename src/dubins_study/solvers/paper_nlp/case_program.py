@@ -35,15 +35,17 @@ def program(case: Case) -> Program:
     (X, Y), and the radius if the unit is not the radius.
     """
     X, Y, _ = case.target
-    free, unit = case.subproblem.free, case.unit
+    free = case.subproblem.free
+    unit = case.unit
     scaled = unit != 1.0
-    given = (X, Y, 1.0) if scaled else (X, Y)
+    parameters = (X, Y, 1.0) if scaled else (X, Y)
+    written = None if scaled else _written(case)
     return Program(
         partial(expressions, free, scaled),
-        p=unit * np.array(given),
+        p=unit * np.array(parameters),
         lower=np.zeros(len(free)),
         upper=unit * case.upper[case.subproblem.mask],
-        written=None if scaled else _written(case),
+        written=written,
         magnitude=unit * math.hypot(X, Y),
     )
 
@@ -55,7 +57,8 @@ def solve(case: Case, guess: FloatArray, seconds: float, engine: NlpCall) -> Eng
     """
     free = list(case.subproblem.free)
     result = engine(program(case), case.unit * guess[free], seconds)
-    z = np.full(3, np.nan if np.isnan(result.x).all() else 0.0)  # NaN where there is no point
+    empty = np.nan if np.isnan(result.x).all() else 0.0  # NaN where there is no point
+    z = np.full(3, empty)
     z[free] = result.x / case.unit
     return result._replace(x=z)
 
@@ -83,11 +86,13 @@ def expressions(free: tuple[int, ...], scaled: bool) -> Expressions:
     import casadi
 
     x = casadi.SX.sym("z", len(free))
-    p = casadi.SX.sym("p", 3 if scaled else 2)
+    parameters = 3 if scaled else 2
+    p = casadi.SX.sym("p", parameters)
     R = p[2] if scaled else casadi.SX(1)
     z = [x[free.index(i)] if i in free else casadi.SX(0) for i in range(3)]
     x_end, y_end = end_point(z[0] / R, (z[0] - z[1]) / R, z[2], casadi, R)
-    return Expressions(x, p, casadi.sum1(x), casadi.vertcat(p[0] - x_end, p[1] - y_end))
+    gaps = casadi.vertcat(p[0] - x_end, p[1] - y_end)
+    return Expressions(x, p, f=casadi.sum1(x), g=gaps)
 
 
 def _written(case: Case) -> Functions:
@@ -116,17 +121,17 @@ def _written(case: Case) -> Functions:
         return hessian(lengths(z), weights)[places, places]
 
     lower = np.tril_indices(ones.size)
-    every = Entries(
+    entries = Entries(
         np.indices((2, ones.size)).reshape(2, -1),
         lambda z: slopes(z).ravel(),
         np.array(lower),
         lambda z, weight, weights: curvatures(z, weights)[lower],  # the objective is linear
     )
     return Functions(
-        lambda z: sum(z.tolist()),
-        lambda z: ones,
-        lambda z: equations(lengths(z), X, Y),
-        slopes,
-        curvatures,
-        every,
+        objective=lambda z: sum(z.tolist()),
+        gradient=lambda z: ones,
+        equations=lambda z: equations(lengths(z), X, Y),
+        jacobian=slopes,
+        hessian=curvatures,
+        entries=entries,
     )

@@ -115,7 +115,8 @@ class PaperNlp(EngineSolver):
         return PosedNlp(leg._replace(cases=cases), self.adapter())
 
     def solve(self, model: PosedNlp, limit: float) -> Solution:
-        leg, kind = model.leg, self.initial_guess
+        leg = model.leg
+        kind = self.initial_guess
         question = leg.question
         # at z = 0 no constraint qualification holds, so that no NLP method can certify this point
         if there := at_start(question.scenario, leg.target):
@@ -124,7 +125,7 @@ class PaperNlp(EngineSolver):
         both = len(leg.cases) > 1
 
         def guesses(case: Case) -> Iterator[FloatArray]:
-            return initial_guesses(question, case, kind, seed, self.count, both=both)
+            return initial_guesses(question, case, kind, seed=seed, count=self.count, both=both)
 
         return searched(leg, kind, guesses, model.adapter, limit)
 

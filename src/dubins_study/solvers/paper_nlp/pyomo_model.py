@@ -83,7 +83,8 @@ def posed(case: Case, guess: FloatArray) -> Any:
     """
     model = _shared_model()
     for i, z in enumerate(model.z.values()):
-        z.setub(case.upper[i] if math.isfinite(case.upper[i]) else None)
+        bound = case.upper[i] if math.isfinite(case.upper[i]) else None
+        z.setub(bound)
         z.set_value(guess[i], skip_validation=True)
         z.fixed = i not in case.subproblem.free
     model.X.fix(case.target.X)
@@ -133,13 +134,14 @@ def solve_in_pyomo(case: Case, guess: FloatArray, seconds: float, interface: str
         return no_point(3, Claim.FAILED, type(error).__name__, str(error))
     condition = results.termination_condition.name
     counted = "number_iters" in results.extra_info
+    iterations = int(results.extra_info.number_iters) if counted else None
     return _ended(
         model,
         results.solution_loader,
         claim_of("pyomo", condition),
         status=condition,
         message=f"{results.solver_name}: {results.solution_status.name} solution",
-        iterations=int(results.extra_info.number_iters) if counted else None,
+        iterations=iterations,
     )
 
 

@@ -17,7 +17,7 @@ from dubins_study.solvers.minlp_engines.mixed_program import Settings
 from dubins_study.solvers.protocol import Guarantee, Method, Question, Solution
 from dubins_study.solvers.runs import Run, spent
 from dubins_study.solvers.setting_checks import one_of, whole, within
-from dubins_study.solvers.tour.graph import LENGTHS, Graph, found_by, graph_of
+from dubins_study.solvers.tour.graph import LENGTHS, Graph, graph_of, tour_run
 from dubins_study.solvers.tour.linear_program import CUTS, LinearProgram, program_of
 from dubins_study.solvers.tour.milp_engines import FEASIBILITY, solved
 from dubins_study.solvers.tour.places import empty_path, tour_path
@@ -70,18 +70,19 @@ class HeadingMilp(EngineSolver):
             return there
         scenario = graph.question.scenario
         began = perf_counter()
-        proven = solved(self, program, Settings(self.gap, FEASIBILITY), limit)
+        proven = solved(self, program, Settings(gap=self.gap, feastol=FEASIBILITY), limit)
         result = proven.counted(iterations=proven.iterations, evaluations=proven.nodes)
         run = Run("grid", perf_counter() - began, result, result.x, bound=proven.bound)
-        found = found_by(graph, proven)
-        if found.tour is None:
+        end = tour_run(graph, proven)
+        if end.tour is None:
             claim = Claim.LIMIT if run.claim is Claim.LIMIT else Claim.FAILED
             return Solution(claim, message=result.status, **spent([run]))
         order = list(range(graph.places.count))
-        path = tour_path(scenario, graph.places, order, graph.headings[found.tour])
+        path = tour_path(scenario, graph.places, order, graph.headings[end.tour])
         bound = f"{self.library.label}'s bound {run.bound * scenario.radius:.9g}"
+        claim = Claim.LOCAL if run.claim is Claim.OPTIMAL else Claim.FEASIBLE
         return Solution(
-            Claim.LOCAL if run.claim is Claim.OPTIMAL else Claim.FEASIBLE,
+            claim,
             path=path,
             claimed_length=path.length,
             message=f"{bound} holds for {self.headings} headings only, not for the scenario",

@@ -40,8 +40,13 @@ from dubins_study.study.words import DERIVATIVE_FREE, IN_ORDER, NLP, SAMPLING, C
 # The engines of nonlinear programs that call functions. The others differentiate expressions, and
 # the shortest of six words is none.
 _CALLERS = (
-    *("slsqp", "trust-constr", "cobyqa"),
-    *("nlopt-slsqp", "nlopt-auglag", "nlopt-cobyla", "uno-filtersqp"),
+    "slsqp",
+    "trust-constr",
+    "cobyqa",
+    "nlopt-slsqp",
+    "nlopt-auglag",
+    "nlopt-cobyla",
+    "uno-filtersqp",
 )
 # SHGO begins with all corners of the box: 2^k, which for 50 legs fills the memory
 _ENGINES = (
@@ -117,8 +122,9 @@ class Headings(SearchSolver):
         if not begun:
             return nothing_found(runs)
         best = min(begun, key=lambda run: run.length)
+        claim = Claim.LOCAL if best.claim is Claim.LOCAL else Claim.FEASIBLE
         return Solution(
-            Claim.LOCAL if best.claim is Claim.LOCAL else Claim.FEASIBLE,
+            claim,
             path=_path(scenario, route, best.point),
             trace=tuple((count, _path(scenario, route, point)) for count, point in _thinned(trace)),
             claimed_length=best.length * scenario.radius,
@@ -136,12 +142,13 @@ class Headings(SearchSolver):
         random = np.random.default_rng(self.seed + repeat)
         solve = partial(self._solved, route, random, trace)
         run = timed("headings", solve, partial(route_length, route))
-        drawn = self.initial_guess == "random" and route.unknowns > 0
-        for _ in range(self.count if drawn else 1):
+        is_random = self.initial_guess == "random" and route.unknowns > 0
+        count = self.count if is_random else 1
+        for _ in range(count):
             if perf_counter() > until:
                 return
             guess = route.toward_next()
-            if drawn:
+            if is_random:
                 guess = random.uniform(0.0, TWO_PI, route.unknowns)
             yield run(guess, until)
 
@@ -191,10 +198,13 @@ class Headings(SearchSolver):
 
         The box has a full turn for each heading. It is about the guess if the engine takes one.
         """
-        k, until = route.unknowns, perf_counter() + seconds
-        low, begin = np.full(k, route.first), None
+        k = route.unknowns
+        until = perf_counter() + seconds
+        low = np.full(k, route.first)
+        begin = None
         if self.guided:
-            low, begin = guess - _HALF_TURN, np.full(k, _HALF_TURN)
+            low = guess - _HALF_TURN
+            begin = np.full(k, _HALF_TURN)
         budget = self.evaluations or min(self.library.evaluations * k, _MOST_EVALUATIONS)
         function = CountedFunction(LengthInBox(route, low), budget, until)
         result = Task(function, begin, random).search(self.engine, self.options, self.restarts)
@@ -210,7 +220,8 @@ class LengthInBox:
     """
 
     def __init__(self, route: Route, low: FloatArray) -> None:
-        self._route, self._low = route, low
+        self._route = route
+        self._low = low
         self.upper: FloatArray = np.full(low.size, TWO_PI)
 
     def at(self, free: FloatArray) -> float:
@@ -258,12 +269,12 @@ def _thinned(trace: Trace) -> Trace:
     While the evaluations grow by a tenth, only the last point stays. The very last point always
     stays.
     """
-    kept: Trace = []
+    thinned: Trace = []
     for count, point in trace:
-        if len(kept) > 1 and count < 1.1 * kept[-2][0]:
-            kept.pop()
-        kept.append((count, point))
-    return kept
+        if len(thinned) > 1 and count < 1.1 * thinned[-2][0]:
+            thinned.pop()
+        thinned.append((count, point))
+    return thinned
 
 
 def program(route: Route, functions: Functions | None = None) -> Program:
@@ -317,12 +328,12 @@ def _functions(route: Route) -> Functions:
     slope_of_none = np.empty((0, k))
     places = np.arange(k)
     return Functions(
-        lambda unknown: route_length(route, unknown),
-        gradient,
-        lambda unknown: none,
-        lambda unknown: slope_of_none,
-        hessian,
-        Entries(
+        objective=lambda unknown: route_length(route, unknown),
+        gradient=gradient,
+        equations=lambda unknown: none,
+        jacobian=lambda unknown: slope_of_none,
+        hessian=hessian,
+        entries=Entries(
             np.empty((2, 0), dtype=np.intp),
             lambda unknown: none,
             np.array((np.append(places, places[1:]), np.append(places, places[:-1]))),

@@ -39,11 +39,11 @@ from dubins_study.solvers.runs import (
     EngineResult,
     Run,
     at_start,
+    best_run_and_claim,
     nothing_found,
-    settled,
+    run_attempts,
     spent,
     timed,
-    tried,
 )
 from dubins_study.solvers.setting_checks import iterations, one_of, option_set, tolerance, whole
 from dubins_study.solvers.tour.order_headings import headings_on_grid
@@ -131,7 +131,8 @@ class RouteNlp(EngineSolver):
 
     def build(self, question: Question) -> PosedRoute:
         route = route_of(question.scenario)
-        places, known = (_ALL,) * route.legs, None
+        places = (_ALL,) * route.legs
+        known = None
         if self.model == "words":
             tour = places_of(question.scenario)
             known = headings_on_grid(tour, list(range(tour.count)), self.headings)
@@ -139,14 +140,16 @@ class RouteNlp(EngineSolver):
         return PosedRoute(question, route, places, program(route, places), known)
 
     def solve(self, model: PosedRoute, limit: float) -> Solution:
-        question, program, places = model.question, model.program, model.places
+        question = model.question
+        program = model.program
+        places = model.places
         # at zero no constraint qualification holds, as in (4.12)
         if there := at_start(question.scenario, model.route.target):
             return there
         engine: NlpCall = self.library.load()(self.tol, self.max_iter, self.options)
 
         def solve(guess: FloatArray, seconds: float) -> EngineResult:
-            return engine(program, _kept(guess, places), seconds)
+            return engine(program, _unknowns_of(guess, places), seconds)
 
         def length(x: FloatArray) -> float:
             return float(_arcs(x, places).sum())
@@ -154,14 +157,14 @@ class RouteNlp(EngineSolver):
         guesses = self._guesses(model)
         enough = self.initial_guess == "bearing"  # of the other kinds every guess is tried
         attempts = Attempts(guesses, timed(self.model, solve, length), lambda _: enough)
-        return _answer(model, tried([attempts], perf_counter() + limit))
+        return _answer(model, run_attempts([attempts], perf_counter() + limit))
 
     def first_guess(self, model: PosedRoute) -> FloatArray:
         """The first initial guess.
 
         It is a point of the question's own program.
         """
-        return _kept(next(self._guesses(model)), model.places)
+        return _unknowns_of(next(self._guesses(model)), model.places)
 
     def _guesses(self, model: PosedRoute) -> Iterator[FloatArray]:
         """Points x of the joint program, shape (6 n,)."""
@@ -189,20 +192,24 @@ def _answer(model: PosedRoute, runs: list[Run[FloatArray]]) -> Solution:
     """
     if not runs:
         return nothing_found(runs)
-    question, route, places, program, _ = model
-    scenario, equations = question.scenario, program.functions.equations
-    best, claim = settled(runs, lambda run: float(np.abs(equations(run.point)).sum()))
-    n, duals = route.legs, best.result.duals
+    scenario = model.question.scenario
+    places = model.places
+    equations = model.program.functions.equations
+    best, claim = best_run_and_claim(runs, lambda run: float(np.abs(equations(run.point)).sum()))
+    n = model.route.legs
+    duals = best.result.duals
     path = None
     if claim is not Claim.LOCALLY_INFEASIBLE and np.isfinite(best.point).all():
         arcs = _driven(_arcs(best.point, places))
         path = path_of(scenario, _TURNS * n, arcs.ravel().tolist())
+    claimed_length = best.length * scenario.radius if claim is Claim.LOCAL else None
+    # those of the last leg's end
+    multipliers = None if duals is None else tuple(duals[3 * n - 2 : 3 * n])
     return Solution(
         claim,
         path=path,
-        claimed_length=best.length * scenario.radius if claim is Claim.LOCAL else None,
-        # those of the last leg's end
-        multipliers=None if duals is None else tuple(duals[3 * n - 2 : 3 * n]),
+        claimed_length=claimed_length,
+        multipliers=multipliers,
         message=best.result.message,
         **spent(runs, best),
     )
@@ -224,8 +231,8 @@ def program(route: Route, places: Places = ()) -> Program:
     return Program(
         expressions(tuple(map(len, places)), route.last is not None, known),
         np.concatenate((route.steps.ravel(), ends, turns)),
-        _kept(lowest, places),
-        _kept(highest, places),
+        _unknowns_of(lowest, places),
+        _unknowns_of(highest, places),
         magnitude=float(np.hypot(*route.steps.T).max()),
     )
 
@@ -241,16 +248,22 @@ def expressions(arcs: tuple[int, ...], final_heading: bool, known: bool) -> Expr
 
     import casadi
 
-    legs, n = len(arcs), sum(arcs)
+    legs = len(arcs)
+    n = sum(arcs)
     x = casadi.SX.sym("x", n + legs)
     p = casadi.SX.sym("p", 2 * legs + 1 + final_heading + n * known)
     turns: Any = casadi.vertsplit(p[p.numel() - n :]) if known else _TURNS * legs
-    unknown, turned = iter(casadi.vertsplit(x)), iter(turns)
-    heading, length, equations = p[2 * legs], casadi.SX(0), []
+    unknown = iter(casadi.vertsplit(x))
+    turned = iter(turns)
+    heading = p[2 * legs]
+    length = casadi.SX(0)
+    equations = []
     for leg, count in enumerate(arcs):
-        along, across, after = 0, 0, heading
+        along, across = 0, 0
+        after = heading
         for _ in range(count):
-            arc, turn = next(unknown), next(turned)
+            arc = next(unknown)
+            turn = next(turned)
             # an arc's chord, 2 sin(arc / 2), or a straight, along the mean heading
             half = turn * arc / 2
             chord = (1 - turn * turn) * arc + 2 * turn * casadi.sin(half)
@@ -263,8 +276,12 @@ def expressions(arcs: tuple[int, ...], final_heading: bool, known: bool) -> Expr
     if final_heading:
         equations.append(heading_gap(heading, p[2 * legs + 1]))
     # a control problem: the heading is its state, the arcs of a leg are its controls
-    stages = Stages((0, *(1,) * legs), (*arcs, 0), (*(2,) * legs, int(final_heading)))
-    return Expressions(x, p, length, casadi.vertcat(*equations), stages)
+    stages = Stages(
+        nx=(0, *(1,) * legs),
+        nu=(*arcs, 0),
+        ng=(*(2,) * legs, int(final_heading)),
+    )
+    return Expressions(x, p, f=length, g=casadi.vertcat(*equations), stages=stages)
 
 
 def word_places(route: Route, headings: FloatArray) -> Places:
@@ -279,8 +296,8 @@ def word_places(route: Route, headings: FloatArray) -> Places:
     if route.last is None:
         pieces = places[-1]
         pairs = {drop: pieces[:drop] + pieces[drop + 1 :] for drop in range(3)}
-        left = [drop for drop, (i, j) in pairs.items() if _ARCS[i] and _TURNS[i] != _TURNS[j]]
-        places[-1] = pairs[min(left, key=lambda drop: float(segments[drop, -1]))]
+        candidates = [drop for drop, (i, j) in pairs.items() if _ARCS[i] and _TURNS[i] != _TURNS[j]]
+        places[-1] = pairs[min(candidates, key=lambda drop: float(segments[drop, -1]))]
     return tuple(places)
 
 
@@ -314,7 +331,8 @@ def straight_guess(route: Route) -> FloatArray:
     The headings are those of the lines.
     """
     arcs = np.zeros((route.legs, _PER_LEG))
-    arcs[:, _LETTERS.index("S")], arcs[:, -1] = np.hypot(*route.steps.T), route.bearings()
+    arcs[:, _LETTERS.index("S")] = np.hypot(*route.steps.T)
+    arcs[:, -1] = route.bearings()
     return arcs.ravel()
 
 
@@ -337,13 +355,13 @@ def _point(route: Route, arcs: FloatArray) -> FloatArray:
     return np.column_stack((arcs, after)).ravel()
 
 
-def _kept(point: FloatArray, places: Places) -> FloatArray:
+def _unknowns_of(point: FloatArray, places: Places) -> FloatArray:
     """A joint point, reduced to the program's unknowns.
 
     The joint point has shape (6 n,).
     """
     legs = zip(point.reshape(-1, _PER_LEG), places, strict=True)
-    return np.concatenate([[*leg[list(kept)], leg[-1]] for leg, kept in legs])
+    return np.concatenate([[*leg[list(leg_places)], leg[-1]] for leg, leg_places in legs])
 
 
 def _arcs(point: FloatArray, places: Places) -> FloatArray:
@@ -351,10 +369,11 @@ def _arcs(point: FloatArray, places: Places) -> FloatArray:
 
     Arcs that its program does not have are 0.
     """
-    arcs, done = np.zeros((len(places), len(_LETTERS))), 0
-    for leg, kept in enumerate(places):
-        arcs[leg, list(kept)] = point[done : done + len(kept)]
-        done += len(kept) + 1
+    arcs = np.zeros((len(places), len(_LETTERS)))
+    position = 0
+    for leg, leg_places in enumerate(places):
+        arcs[leg, list(leg_places)] = point[position : position + len(leg_places)]
+        position += len(leg_places) + 1
     return arcs
 
 
@@ -364,7 +383,8 @@ def _driven(arcs: FloatArray) -> FloatArray:
     An engine may leave some arcs below zero. Such a turn is given to its neighbour the other way:
     cut off, it would turn all legs after it.
     """
-    turns, others = [0, 1, 3, 4], [1, 0, 4, 3]
+    turns = [0, 1, 3, 4]
+    others = [1, 0, 4, 3]
     driven = np.maximum(arcs, 0.0)
     driven[:, others] -= np.minimum(arcs[:, turns], 0.0)
     return driven

@@ -122,9 +122,12 @@ class Penalty(SearchSolver):
         random = np.random.default_rng((seed, number))
         guesses: list[FloatArray | None] = [None]
         if self.guided:
-            guesses = list(initial_guesses(question, case, self.initial_guess, seed, self.count))
+            guesses = list(
+                initial_guesses(question, case, self.initial_guess, seed=seed, count=self.count)
+            )
         for guess in guesses:
-            at, weight = guess, self.weight
+            at = guess
+            weight = self.weight
             for _ in range(self.rounds):
                 if perf_counter() > until:
                     return
@@ -157,10 +160,12 @@ class Penalty(SearchSolver):
             begin = np.clip(guess[list(case.subproblem.free)], 0.0, penalised.upper)
         result = Task(function, begin, random).search(self.engine, self.options, self.restarts)
         z = penalised.lengths(function.best)
-        point, missed = z, _miss(case, z)
+        point = z
+        missed = _miss(case, z)
         if self.polish and np.isfinite(z).all():
             point, missed = polish(case, z)
-        seconds, length = perf_counter() - began, float(point.sum())
+        seconds = perf_counter() - began
+        length = float(point.sum())
         result = result._replace(x=z)
         return Run(case.subproblem.name, seconds, result, point, length=length, miss=missed)
 
@@ -180,14 +185,17 @@ def _answer(scenario: Scenario, runs: list[Run[FloatArray]]) -> Solution:
         return nothing_found(runs)
     allowed = max(ARRIVES, coordinate_rounding(scenario))
     arriving = [run for run in begun if run.miss <= allowed]
+    stopped = {run.claim for run in begun} == {Claim.LIMIT}
+    claim = Claim.LIMIT if stopped else Claim.FAILED
     best = min(begun, key=lambda run: run.miss)
     if arriving:
+        claim = Claim.FEASIBLE
         best = min(arriving, key=lambda run: run.length)
-    stopped = {run.claim for run in begun} == {Claim.LIMIT}
+    claimed_length = best.length * scenario.radius if arriving else None
     return Solution(
-        Claim.FEASIBLE if arriving else Claim.LIMIT if stopped else Claim.FAILED,
+        claim,
         path=as_path(scenario, SUBPROBLEMS[best.subproblem], best.point),
-        claimed_length=best.length * scenario.radius if arriving else None,
+        claimed_length=claimed_length,
         message=f"{best.subproblem}: {best.result.message}",
         **spent(runs, best),
     )

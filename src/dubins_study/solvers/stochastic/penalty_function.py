@@ -109,7 +109,9 @@ class CountedFunction:
     """
 
     def __init__(self, function: BoxFunction, budget: float, until: float) -> None:
-        self.function, self.budget, self._until = function, budget, until
+        self.function = function
+        self.budget = budget
+        self._until = until
         # evaluations until then, and the best point
         self.trace: list[tuple[int, FloatArray]] = []
         self.evaluations = 0
@@ -137,7 +139,8 @@ class CountedFunction:
         return values
 
     def _improve(self, value: float, point: FloatArray) -> None:
-        self.value, self.best = value, np.array(point)
+        self.value = value
+        self.best = np.array(point)
         self.trace.append((self.evaluations, self.best))
 
     def _spend(self, evaluations: int) -> None:
@@ -193,7 +196,8 @@ class Task(NamedTuple):
             while restarts:
                 message = run(self._elsewhere())
         except SearchEndError as end:
-            claim, message = Claim.LIMIT, str(end)
+            claim = Claim.LIMIT
+            message = str(end)
         if self.function.evaluations >= self.function.budget:  # the engine counts as well
             claim = Claim.LIMIT
         return EngineResult(
@@ -230,9 +234,10 @@ def scipy_search(options: OptionValues, name: str) -> Search:
         from scipy import optimize
 
         function = task.function.at_each if options.get("vectorized") else task.function
-        given = _LIMITS[name](task) | options
-        message = getattr(optimize, name)(function, task.bounds, **given).message
-        return str(message[0] if isinstance(message, list) else message)
+        arguments = _LIMITS[name](task) | options
+        message = getattr(optimize, name)(function, task.bounds, **arguments).message
+        text = message[0] if isinstance(message, list) else message
+        return str(text)
 
     return run
 
@@ -256,7 +261,8 @@ def cma_es(options: OptionValues) -> Search:
     A restart begins from another point.
     """
     chosen = dict(options)
-    step, restarts = chosen.pop("sigma0"), chosen.pop("restarts", 0)
+    step = chosen.pop("sigma0")
+    restarts = chosen.pop("restarts", 0)
 
     def run(task: Task) -> str:
         import cma

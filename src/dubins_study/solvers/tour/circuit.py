@@ -21,8 +21,8 @@ from dubins_study.solvers.tour.graph import (
     LENGTHS,
     Graph,
     answered,
-    found_by,
     graph_of,
+    tour_run,
 )
 from dubins_study.solvers.tour.places import empty_path
 from dubins_study.study.words import NEEDS, Claim
@@ -80,9 +80,16 @@ class TourCircuit(EngineSolver):
         if claim in (Claim.OPTIMAL, Claim.FEASIBLE):
             x = np.array(engine.values(circuit.literals))
         bound = engine.best_objective_bound / circuit.scale
-        result = ProvenResult(x, claim, bound, int(engine.num_branches), None, status, "")
-        found = found_by(graph, result)
-        return answered(graph, found, perf_counter() - began, self.polish)
+        result = ProvenResult(
+            x,
+            claim,
+            bound,
+            nodes=int(engine.num_branches),
+            iterations=None,
+            status=status,
+        )
+        end = tour_run(graph, result)
+        return answered(graph, end, perf_counter() - began, self.polish)
 
 
 class Circuit(NamedTuple):

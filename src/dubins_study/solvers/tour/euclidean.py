@@ -52,12 +52,12 @@ def _exact(starts: FloatArray, between: FloatArray, ends: FloatArray) -> list[in
             if not subset >> i & 1:
                 costs[subset | 1 << i, i] = through[:, i].min()
                 before[subset | 1 << i, i] = through[:, i].argmin()
-    left = (1 << n) - 1
-    order = [int((costs[left] + ends).argmin())]
+    remaining = (1 << n) - 1
+    order = [int((costs[remaining] + ends).argmin())]
     while len(order) < n:
         last = order[0]
-        order.insert(0, int(before[left, last]))
-        left ^= 1 << last
+        order.insert(0, int(before[remaining, last]))
+        remaining ^= 1 << last
     return order
 
 
@@ -66,12 +66,12 @@ def _nearest(between: FloatArray, via: list[int]) -> list[int]:
 
     Each place is followed by the nearest one that is left.
     """
-    left = list(via)
+    remaining = list(via)
     order: list[int] = []
     here = 0
-    while left:
-        here = min(left, key=lambda place: between[here, place])
-        left.remove(here)
+    while remaining:
+        here = min(remaining, key=lambda place: between[here, place])
+        remaining.remove(here)
         order.append(here)
     return order
 

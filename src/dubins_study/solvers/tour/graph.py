@@ -26,7 +26,9 @@ from dubins_study.study.angle import TWO_PI
 from dubins_study.study.arrays import FloatArray, IntArray
 from dubins_study.study.words import Claim
 
-LENGTHS, BOUNDS = COSTS = ("lengths", "bounds")
+LENGTHS = "lengths"
+BOUNDS = "bounds"
+COSTS = (LENGTHS, BOUNDS)
 # The share taken off a bound: more than engines' tolerances and rounded sums add to it.
 _SAFE = 1e-6
 _UNITS = 1e6  # of whole costs in a radius, unless the costs are too long for that
@@ -69,7 +71,7 @@ class Graph(NamedTuple):
         return np.floor(self.costs * scale).astype(np.int64), scale
 
 
-class Found(NamedTuple):
+class TourRun(NamedTuple):
     """The end of one run of an engine."""
 
     tour: list[int] | None  # nodes from the start on, one of each place
@@ -89,7 +91,9 @@ def graph_of(question: Question, count: int, costs: str) -> Graph:
     grid = places.headings(count)
     owner = np.repeat(np.arange(places.count), [each.size for each in grid])
     begin = np.searchsorted(owner, np.arange(places.count))
-    tails, heads, lengths = [], [], []
+    tails = []
+    heads = []
+    lengths = []
     for i, j in np.argwhere(places.next_places):
         step = places.points[j] - places.points[i]
         if j == 0 and not places.closed:  # an open tour does not go back to its start
@@ -103,8 +107,17 @@ def graph_of(question: Question, count: int, costs: str) -> Graph:
         tails.append(begin[i] + before)
         heads.append(begin[j] + after)
         lengths.append(block.ravel())
-    arcs = [np.concatenate(parts) for parts in (tails, heads, lengths)]
-    return Graph(question, places, count, costs == BOUNDS, owner, np.concatenate(grid), *arcs)
+    return Graph(
+        question,
+        places,
+        per_place=count,
+        of_bounds=costs == BOUNDS,
+        owner=owner,
+        headings=np.concatenate(grid),
+        tails=np.concatenate(tails),
+        heads=np.concatenate(heads),
+        costs=np.concatenate(lengths),
+    )
 
 
 def _bounds(
@@ -129,17 +142,19 @@ def _bounds(
     return np.maximum(bounds, np.hypot(*step))
 
 
-def found_by(graph: Graph, result: ProvenResult) -> Found:
+def tour_run(graph: Graph, result: ProvenResult) -> TourRun:
     """The tour in an engine's result.
 
     The engine's x has a number for each arc.
     """
-    tours = [] if result.x is None else cycles(graph, result.x)
-    found = Found(None, result.claim, result.status, result.bound, nodes=result.nodes)
-    if result.x is None or len(tours) != 1:
-        return found
+    end = TourRun(None, result.claim, result.status, result.bound, nodes=result.nodes)
+    if result.x is None:
+        return end
+    tours = cycles(graph, result.x)
+    if len(tours) != 1:
+        return end
     cost = float(graph.costs @ result.x[: graph.costs.size])
-    return found._replace(tour=tours[0], cost=cost)
+    return end._replace(tour=tours[0], cost=cost)
 
 
 def cycles(graph: Graph, x: FloatArray) -> list[list[int]]:
@@ -149,18 +164,18 @@ def cycles(graph: Graph, x: FloatArray) -> list[list[int]]:
     """
     chosen = x[: graph.costs.size] > 0.5
     after = dict(zip(graph.tails[chosen].tolist(), graph.heads[chosen].tolist(), strict=True))
-    found = []
+    all_cycles = []
     while after:
         node = min(after)
         cycle = []
         while node in after:
             cycle.append(node)
             node = after.pop(node)
-        found.append(cycle)
-    return found
+        all_cycles.append(cycle)
+    return all_cycles
 
 
-def answered(graph: Graph, found: Found, seconds: float, polish: bool) -> Solution:
+def answered(graph: Graph, end: TourRun, seconds: float, polish: bool) -> Solution:
     """The solution of an engine's run.
 
     The bound is the question's only if the costs are bounds. The claim is `feasible`: an optimum of
@@ -168,17 +183,17 @@ def answered(graph: Graph, found: Found, seconds: float, polish: bool) -> Soluti
     """
     scenario = graph.question.scenario
     places = graph.places
-    result = EngineResult(np.empty(0), found.claim, iterations=found.nodes, status=found.status)
+    result = EngineResult(np.empty(0), end.claim, iterations=end.nodes, status=end.status)
     run = Run("tour", seconds, result, result.x)
     lower_bound = None
-    if graph.of_bounds and 0.0 < found.bound < math.inf:
-        lower_bound = found.bound * (1.0 - _SAFE) * scenario.radius
-    if found.tour is None:
-        claim = Claim.LIMIT if found.claim is not Claim.FAILED else Claim.FAILED
-        message = f"no tour; {_bound_text(graph, found)}"
+    if graph.of_bounds and 0.0 < end.bound < math.inf:
+        lower_bound = end.bound * (1.0 - _SAFE) * scenario.radius
+    if end.tour is None:
+        claim = Claim.LIMIT if end.claim is not Claim.FAILED else Claim.FAILED
+        message = f"no tour; {_bound_text(graph, end)}"
         return Solution(claim, lower_bound=lower_bound, message=message, **spent([run]))
-    order = graph.owner[found.tour].tolist()
-    headings = graph.headings[found.tour]
+    order = graph.owner[end.tour].tolist()
+    headings = graph.headings[end.tour]
     if places.closed:
         headings = np.append(headings, headings[0])
     if graph.of_bounds:
@@ -191,19 +206,19 @@ def answered(graph: Graph, found: Found, seconds: float, polish: bool) -> Soluti
         path=path,
         claimed_length=path.length,
         lower_bound=lower_bound,
-        message=_bound_text(graph, found) + "; then polished" * polish,
+        message=_bound_text(graph, end) + "; then polished" * polish,
         **spent([run], run),
     )
 
 
-def _bound_text(graph: Graph, found: Found) -> str:
+def _bound_text(graph: Graph, end: TourRun) -> str:
     """The engine's bound as text, with its scope."""
-    if found.bound == -math.inf:
+    if end.bound == -math.inf:
         return "no bound"
-    text = f"bound {found.bound * graph.question.scenario.radius:.9g}"
-    if found.tour is not None:
-        open_part = max(0.0, found.cost - found.bound)
-        text += f", gap {open_part / max(found.cost, 1.0 / _UNITS):.2g}"
+    text = f"bound {end.bound * graph.question.scenario.radius:.9g}"
+    if end.tour is not None:
+        open_part = max(0.0, end.cost - end.bound)
+        text += f", gap {open_part / max(end.cost, 1.0 / _UNITS):.2g}"
     if graph.of_bounds:
         return f"{text}, of bounds over {graph.per_place} intervals a point"
     return f"{text}, of {graph.per_place} headings a point only, not of the scenario"

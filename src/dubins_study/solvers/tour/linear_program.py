@@ -19,7 +19,10 @@ from scipy.sparse import block_array, csr_array, hstack, vstack
 from dubins_study.solvers.tour.graph import Graph
 from dubins_study.study.arrays import BoolArray, FloatArray, IntArray
 
-FLOW, MTZ, CUTS = MODELS = ("flow", "mtz", "cuts")
+FLOW = "flow"
+MTZ = "mtz"
+CUTS = "cuts"
+MODELS = (FLOW, MTZ, CUTS)
 
 
 class LinearProgram(NamedTuple):
@@ -87,11 +90,11 @@ def _with_flow(program: LinearProgram, z: csr_array, i: IntArray, j: IntArray) -
     """
     flows = np.arange(i.size)
     places = int(j.max()) + 1
-    taken = (_ones(j, flows, places) - _ones(i, flows, places))[1:]
+    net_inflow = (_ones(j, flows, places) - _ones(i, flows, places))[1:]
     most = np.where(i == 0, places - 1.0, places - 2.0)
     return _extended(
         program,
-        [[None, taken], [z.multiply(-most[:, None]), _ones(flows, flows, i.size)]],
+        [[None, net_inflow], [z.multiply(-most[:, None]), _ones(flows, flows, i.size)]],
         least=np.concatenate((np.ones(places - 1), np.full(i.size, -np.inf))),
         most=np.concatenate((np.ones(places - 1), np.zeros(i.size))),
         high=most,

@@ -18,8 +18,8 @@ from dubins_study.solvers.tour.graph import (
     Graph,
     answered,
     cycles,
-    found_by,
     graph_of,
+    tour_run,
 )
 from dubins_study.solvers.tour.linear_program import (
     CUTS,
@@ -71,8 +71,12 @@ class TourMilp(EngineSolver):
     summary = "tours: order and headings on a grid, by a MILP engine"
     keeps_limit = False  # thousands of arcs take seconds to state
     variants = (
-        *("tour-milp[engine=scip]", "tour-milp[engine=glpk]", "tour-milp[engine=cbc]"),
-        *("tour-milp[model=mtz]", "tour-milp[model=cuts]", "tour-milp[costs=bounds]"),
+        "tour-milp[engine=scip]",
+        "tour-milp[engine=glpk]",
+        "tour-milp[engine=cbc]",
+        "tour-milp[model=mtz]",
+        "tour-milp[model=cuts]",
+        "tour-milp[costs=bounds]",
     )
 
     @property
@@ -89,20 +93,20 @@ class TourMilp(EngineSolver):
             return there
         began = perf_counter()
         seed = self.seed + graph.question.repeat
-        settings = Settings(self.gap, FEASIBILITY, seed=seed)
+        settings = Settings(gap=self.gap, feastol=FEASIBILITY, seed=seed)
         result = solved(self, program, settings, limit)
         bound = result.bound
         nodes = [result.nodes]
         while self.model == CUTS and result.claim is Claim.OPTIMAL and result.x is not None:
             subtours = cycles(graph, result.x)
-            left = limit - (perf_counter() - began)
-            if len(subtours) == 1 or left <= 0.0:
+            seconds_left = limit - (perf_counter() - began)
+            if len(subtours) == 1 or seconds_left <= 0.0:
                 break
             program = with_cuts(program, graph, subtours)
-            result = solved(self, program, settings, left)
+            result = solved(self, program, settings, seconds_left)
             bound = max(bound, result.bound)
             nodes.append(result.nodes)
-        told = [number for number in nodes if number is not None]
-        total = sum(told) if told else None
-        found = found_by(graph, result._replace(bound=bound, nodes=total))
-        return answered(graph, found, perf_counter() - began, self.polish)
+        counts = [number for number in nodes if number is not None]
+        total = sum(counts) if counts else None
+        end = tour_run(graph, result._replace(bound=bound, nodes=total))
+        return answered(graph, end, perf_counter() - began, self.polish)

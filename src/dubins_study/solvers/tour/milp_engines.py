@@ -55,15 +55,15 @@ def _highs(program: LinearProgram, settings: Settings, seconds: float) -> Proven
     solver = highs_run(highs_rows(*program), options)
     info = solver.getInfo()
     status = solver.getModelStatus().name
-    found = info.primal_solution_status == highspy.SolutionStatus.kSolutionStatusFeasible
+    feasible = info.primal_solution_status == highspy.SolutionStatus.kSolutionStatusFeasible
+    point = np.array(solver.getSolution().col_value) if feasible else None
     return ProvenResult(
-        np.array(solver.getSolution().col_value) if found else None,
+        point,
         claim_of("highs", status),
         bound=float(info.mip_dual_bound),
         nodes=max(int(info.mip_node_count), 0),
         iterations=max(int(info.simplex_iteration_count), 0),
         status=status,
-        message="",
     )
 
 
@@ -101,13 +101,18 @@ def _cbc(program: LinearProgram, settings: Settings, seconds: float) -> ProvenRe
         nodes=max(int(solver.nodes()), 0),
         iterations=max(int(solver.iterations()), 0),
         status=status,
-        message="",
     )
 
 
 # `operations_research::MPSolver::ResultStatus`
 _CBC_STATUSES = (
-    *("OPTIMAL", "FEASIBLE", "INFEASIBLE", "UNBOUNDED", "ABNORMAL", "MODEL_INVALID", "NOT_SOLVED"),
+    "OPTIMAL",
+    "FEASIBLE",
+    "INFEASIBLE",
+    "UNBOUNDED",
+    "ABNORMAL",
+    "MODEL_INVALID",
+    "NOT_SOLVED",
 )
 
 
@@ -130,18 +135,19 @@ def _glpk(program: LinearProgram, settings: Settings, seconds: float) -> ProvenR
     glpk.glp_add_rows(problem, program.least.size)
     for i, (body, least, most) in enumerate(_rows(program), start=1):
         glpk.glp_set_row_bnds(problem, i, *_between(glpk, least, most))
-        places, values = glpk.intArray(len(body) + 1), glpk.doubleArray(len(body) + 1)
+        places = glpk.intArray(len(body) + 1)
+        values = glpk.doubleArray(len(body) + 1)
         for k, (j, value) in enumerate(body, start=1):
             places[k] = j + 1
             values[k] = value
         glpk.glp_set_mat_row(problem, i, len(body), places, values)
-    asked = glpk.glp_iocp()
-    glpk.glp_init_iocp(asked)
-    asked.presolve = glpk.GLP_ON  # without it the relaxation must have been solved before
-    asked.tol_int = settings.feastol
-    asked.mip_gap = settings.gap
-    asked.tm_lim = min(max(int(1000 * seconds), 1), _MOST_MS)
-    ended = glpk.glp_intopt(problem, asked)
+    parameters = glpk.glp_iocp()
+    glpk.glp_init_iocp(parameters)
+    parameters.presolve = glpk.GLP_ON  # without it the relaxation must have been solved before
+    parameters.tol_int = settings.feastol
+    parameters.mip_gap = settings.gap
+    parameters.tm_lim = min(max(int(1000 * seconds), 1), _MOST_MS)
+    ended = glpk.glp_intopt(problem, parameters)
     status = _GLPK_ENDS.get(ended, str(ended))
     if ended == 0:
         status = _GLPK_STATUSES[glpk.glp_mip_status(problem)]
@@ -151,14 +157,14 @@ def _glpk(program: LinearProgram, settings: Settings, seconds: float) -> ProvenR
     cost = float(glpk.glp_mip_obj_val(problem))
     glpk.glp_delete_prob(problem)
     claim = claim_of("glpk", status)
+    bound = cost * (1.0 - settings.gap) if claim is Claim.OPTIMAL else -math.inf
     return ProvenResult(
         point,
         claim,
-        bound=cost * (1.0 - settings.gap) if claim is Claim.OPTIMAL else -math.inf,
+        bound=bound,
         nodes=None,
         iterations=None,
         status=status,
-        message="",
     )
 
 

@@ -20,7 +20,9 @@ from dubins_study.solvers.tour.places import Places, empty_path, places_of, tour
 from dubins_study.study.arrays import FloatArray
 from dubins_study.study.words import NEEDS, Claim
 
-_EUCLIDEAN, _ALTERNATING = _ORDERS = ("euclidean", "alternating")
+_EUCLIDEAN = "euclidean"
+_ALTERNATING = "alternating"
+_ORDERS = (_EUCLIDEAN, _ALTERNATING)
 
 
 class OrderFirst(Solver):

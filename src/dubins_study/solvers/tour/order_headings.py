@@ -44,7 +44,8 @@ class Layers(NamedTuple):
 
         A dynamic program finds it in the layers.
         """
-        least, chosen = np.zeros(1), []
+        least = np.zeros(1)
+        chosen = []
         for lengths in self.lengths:
             through = least[:, None] + lengths
             chosen.append(through.argmin(axis=0))
@@ -105,11 +106,12 @@ def _best(places: Places, order: list[int], candidates: list[FloatArray]) -> Flo
     steps = places.steps(order)
     if not places.closed:
         return layers_between(candidates, steps).shortest()
-    found = layers_between([*candidates, candidates[0]], steps)
+    layers = layers_between([*candidates, candidates[0]], steps)
     loops = []
     for k in range(candidates[0].size):  # a closed tour ends with the heading that it began with
         same = candidates[0][k : k + 1]
-        ends = found.lengths[0][k : k + 1], found.lengths[-1][:, k : k + 1]
-        headings = [same, *found.headings[1:-1], same]
-        loops.append(Layers(headings, [ends[0], *found.lengths[1:-1], ends[1]]))
+        first = layers.lengths[0][k : k + 1]
+        last = layers.lengths[-1][:, k : k + 1]
+        headings = [same, *layers.headings[1:-1], same]
+        loops.append(Layers(headings, [first, *layers.lengths[1:-1], last]))
     return min(loops, key=Layers.least).shortest()

@@ -16,8 +16,8 @@ from dubins_study.solvers.setting_checks import one_of, whole
 from dubins_study.solvers.statuses import claim_of
 from dubins_study.solvers.tour.graph import (
     LENGTHS,
-    Found,
     Graph,
+    TourRun,
     answered,
     graph_of,
 )
@@ -25,12 +25,19 @@ from dubins_study.solvers.tour.places import empty_path
 from dubins_study.study.words import FREE_START, NEEDS
 
 _FEW = 3  # places that can be passed in one order only, the start among them
-DESCENT, GUIDED = _SEARCHES = ("descent", "guided")
+DESCENT = "descent"
+GUIDED = "guided"
+_SEARCHES = (DESCENT, GUIDED)
 # `operations_research::routing::RoutingSearchStatus`
 _STATUSES = (
-    *("ROUTING_NOT_SOLVED", "ROUTING_SUCCESS"),
-    *("ROUTING_PARTIAL_SUCCESS_LOCAL_OPTIMUM_NOT_REACHED", "ROUTING_FAIL"),
-    *("ROUTING_FAIL_TIMEOUT", "ROUTING_INVALID", "ROUTING_INFEASIBLE", "ROUTING_OPTIMAL"),
+    "ROUTING_NOT_SOLVED",
+    "ROUTING_SUCCESS",
+    "ROUTING_PARTIAL_SUCCESS_LOCAL_OPTIMUM_NOT_REACHED",
+    "ROUTING_FAIL",
+    "ROUTING_FAIL_TIMEOUT",
+    "ROUTING_INVALID",
+    "ROUTING_INFEASIBLE",
+    "ROUTING_OPTIMAL",
 )
 
 
@@ -72,11 +79,11 @@ class TourRouting(EngineSolver):
         if there := empty_path(model.question):
             return there
         began = perf_counter()
-        found = _visited(model, self.search, limit)
-        return answered(model, found, perf_counter() - began, self.polish)
+        end = _visited(model, self.search, limit)
+        return answered(model, end, perf_counter() - began, self.polish)
 
 
-def _visited(graph: Graph, search: str, seconds: float) -> Found:
+def _visited(graph: Graph, search: str, seconds: float) -> TourRun:
     """The run of a vehicle through the graph's nodes.
 
     Its tour has the nodes that are visited, from the start on.
@@ -104,16 +111,16 @@ def _visited(graph: Graph, search: str, seconds: float) -> Found:
     parameters.local_search_metaheuristic = (
         goes_on.GUIDED_LOCAL_SEARCH if guided else goes_on.GREEDY_DESCENT
     )
-    left = max(seconds - (perf_counter() - began), 0.01)
-    parameters.time_limit.FromMilliseconds(int(1000 * left))
+    seconds_left = max(seconds - (perf_counter() - began), 0.01)
+    parameters.time_limit.FromMilliseconds(int(1000 * seconds_left))
     tour = routing.SolveWithParameters(parameters)
     status = _STATUSES[routing.status()]
     claim = claim_of("routing", status)
     if tour is None or tour.ObjectiveValue() >= never:  # the tour has a step that is no arc
-        return Found(None, claim, status)
+        return TourRun(None, claim, status)
     index = routing.Start(0)
     visited = []
     while not routing.IsEnd(index):
         visited.append(manager.IndexToNode(index))
         index = tour.Value(routing.NextVar(index))
-    return Found(visited, claim, status)
+    return TourRun(visited, claim, status)
