@@ -33,9 +33,8 @@ def grid_optima(evidence: Evidence) -> Finding | None:
     longer = optima["verdict"].eq("longer")
     headings = kind.removeprefix(BEST_OF_GRID)
     return Finding(
-        "Do not take the order from the optimum of a grid: with"
-        f"{headings} a point, {other_order.percent_text()} of the optima pass the points in "
-        "another order than the shortest tour.",
+        f"Do not take the order from a grid's optimum: with{headings} a point, "
+        f"{other_order.percent_text()} of the optima have another order than the shortest tour.",
         other_order,
         f"{some(other_order.questions, 'tour')} of which the grid's optimum and the shortest tour "
         f"are both proved; {count(longer.sum())} optima are longer, by "
