@@ -24,6 +24,7 @@ from dubins_study.report.topics.findings import FINDINGS, findings_section
 from dubins_study.report.topics.findings_evidence import ENOUGH, Evidence, Finding, chosen_share
 from dubins_study.report.topics.findings_routes import exponent
 from dubins_study.report.topics.routes import TITLE
+from dubins_study.report.topics.tours import TITLE as TOURS_TITLE
 from dubins_study.study.words import Claim
 from tests.unit.report.results_folder import attempt, compared_row, paper_scenarios
 
@@ -418,7 +419,7 @@ def test_the_section_has_every_sentence(load_rows):
     ]
     shown = {section.title for topic in topics for section in sections_of(topic, loaded)}
     named = {case.find(evidence(case.made(MANY, True))).shown_in for case in CASES}
-    assert {name.split(":")[0] for name in named} <= shown | {TITLE}
+    assert {name.split(":")[0] for name in named} <= shown | {TITLE, TOURS_TITLE}
     assert "SCIP (bearing) on one NLP a word takes 3.0" in " ".join(
         section.blocks[0].frame["sentence"]
     )

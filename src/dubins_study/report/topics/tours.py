@@ -33,7 +33,7 @@ from dubins_study.report.statistics.metrics import upper_quantile
 from dubins_study.report.topics.routes import by_size, palette_of, plot_sizes, usual_limit
 from dubins_study.study.words import Claim
 
-TITLE = "Tours: the order free"
+TITLE = "Tours of any order"
 TOURS = "tours"  # the key of their experiments
 # The largest median gap of each class -> its mark, from light to dark.
 GAPS = {
