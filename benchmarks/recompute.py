@@ -147,7 +147,8 @@ def decision(rows: pd.DataFrame, folder: Path) -> Iterator[Number]:
     The false claims of each line are there too.
     """
     table = pd.read_csv(folder / "tables" / "decision.csv")
-    asked = rows[rows["path"]].assign(column=suites_of(rows))
+    least = rows["limit_s"].groupby([rows["suite"], rows["question"]]).transform("min")
+    asked = rows[rows["path"] & (rows["limit_s"] <= least)].assign(column=suites_of(rows))
     columns = list(dict.fromkeys(asked.sort_values("suite")["column"]))
     columns = sorted(columns, key=lambda name: (SUITES.index(name.split(",")[0]), name))
     for line in table.to_dict("records"):
@@ -157,6 +158,7 @@ def decision(rows: pd.DataFrame, folder: Path) -> Iterator[Number]:
             if not isinstance(cell, str) or "\n" not in cell:
                 continue
             solver, printed = cell.replace("\xa0", " ").split("\n")
+            printed = re.sub(r" of \d+$", "", printed)
             chosen = asked[(asked["solver"] == solver) & (asked["column"] == column)]
             yield Number(f"{kind}: {solver}, {column}", printed, share_text(chosen))
 

@@ -45,10 +45,10 @@ BUDGETS = {
     "asking": 5_500,
     "experiments": 37_900,
     "conformance": 11_800,
-    "report": 77_000,
+    "report": 77_400,
     "missions": 8_600,
     "cli": 15_000,
-    "package": 320_400,
+    "package": 320_800,
     "tests": 284_800,
 }
 

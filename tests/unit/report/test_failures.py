@@ -269,7 +269,7 @@ def test_the_section_marks_what_is_wrong_and_says_who_denies(load_rows):
     wrong = [key for (_, key), mark in table.marks.items() if mark == "bad"]
 
     assert sorted(wrong) == ["denied_text", "wrong_text"]
-    assert "call a question infeasible that has a path" in section.text
+    assert "say of a question with a path that there is none" in section.text
     assert table.frame["denied_text"].tolist() == ["33.3 % of 3,\n6.1 to 79.2 %"]  # Wilson's
     assert "33.3 % of 3" in section.text
 

@@ -34,6 +34,8 @@ PROOFS = ("proved", "bounded", "extremal", "none")
 _METHOD = ["formulation", "engine", "guess"]
 # With fewer questions no best method is named.
 ENOUGH_TO_CHOOSE = 30
+# A method with a smaller share of the questions would shrink the set that all methods share.
+ENOUGH_ASKED = 0.9
 
 
 def own_name(spec: str) -> str:

@@ -128,7 +128,7 @@ def false_proofs(rows: pd.DataFrame) -> pd.DataFrame:
     return frame
 
 
-_MOST_BARS = 5  # in a panel
+_MOST_BARS = 3  # in a panel
 _MOST_EXAMPLES = 40
 
 

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 import pandas as pd
 
-from dubins_study.report.data.attempts import EXACT
+from dubins_study.report.data.attempts import ENOUGH_ASKED, EXACT
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.columns import columns
 from dubins_study.report.elements.content import (
@@ -46,9 +46,6 @@ from dubins_study.report.statistics.methods import (
     foremost,
     once,
 )
-
-# A method with a smaller share of the questions would shrink the set that all methods share.
-ENOUGH_ASKED = 0.9
 
 
 @once

@@ -11,7 +11,14 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from dubins_study.report.data.attempts import ENOUGH_TO_CHOOSE, EXACT, is_true, legs_of, own_name
+from dubins_study.report.data.attempts import (
+    ENOUGH_ASKED,
+    ENOUGH_TO_CHOOSE,
+    EXACT,
+    is_true,
+    legs_of,
+    own_name,
+)
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.columns import Column, columns, marks
 from dubins_study.report.elements.content import General, Place, Section, Table, Topic
@@ -93,7 +100,8 @@ def stops(rows: pd.DataFrame, strata: Sequence[str]) -> dict[Hashable, str]:
     routes = rows.assign(legs=legs_of(rows))
     routes = routes[routes["legs"].groupby(routes["experiment"]).transform("max") > 1]
     keys = [*_KIND, "label", "solver"]
-    holds = routes.groupby([*keys, "legs"], observed=True)["right"].mean() > 0.5
+    sizes = routes.groupby([*keys, "legs"], observed=True)
+    holds = (sizes["right"].mean() > 0.5) & (sizes["question"].nunique() > 1)
     holds = holds.groupby(keys).cummin()  # a larger size after one that fails is luck
     most = holds[holds].reset_index().groupby([*_KIND, "label"])["legs"].max()
     labels = [label for label in strata if label in set(routes["label"])]
@@ -114,7 +122,10 @@ def decision_section(results: Results) -> Section | None:
     attempts = compared(results)
     if attempts is None or attempts.answerable.empty:
         return Section("decision", TITLE, "", (), "Nothing can be compared here.")
-    rows = attempts.answerable
+    # answers that were given more time than others to the same question are compared nowhere
+    limits = attempts.answerable["limit_s"].fillna(np.inf)
+    least = limits.groupby(attempts.answerable["question"]).transform("min")
+    rows = attempts.answerable[limits <= least]
     rows = rows.assign(experiment=suites(rows))
     few = bool(rows.groupby("experiment")["question"].nunique().min() < ENOUGH_TO_CHOOSE)
     plugins = rows["solver"].map(own_name).ne("")
@@ -163,8 +174,11 @@ def _table(attempts: Compared, rows: pd.DataFrame, *, few: bool, each: bool) -> 
         key=lambda name: (first_seen.index(name.partition(",")[0]), name),
     )
     best = best_supported(rows).reset_index()
+    best = best[(best["trials"] >= ENOUGH_TO_CHOOSE) | each]
     best["knows"] = best["solver"].map(rows.groupby("solver")["knows"].first())
     best["place"] = best["experiment"].map(experiments.index)
+    most_asked = best.groupby("place")["trials"].transform("max")
+    best["sample"] = best["trials"] < ENOUGH_ASKED * most_asked
     lines = [
         _line(methods, ended[kind]) | {"stops": stop.get(kind, "")}
         for kind, methods in best.groupby(_KIND, sort=False)
@@ -183,7 +197,8 @@ def _table(attempts: Compared, rows: pd.DataFrame, *, few: bool, each: bool) -> 
     if not each:
         caption = (
             "The best-supported solver, whose 95 % interval (Wilson) has the highest lower end. "
-            "Then how the attempts of all engines end at equal options."
+            "Of a number: it was asked a sample of so many questions. Then how the attempts of all "
+            "engines end at equal options."
         )
     if few:
         caption += f" With fewer than {ENOUGH_TO_CHOOSE} questions every method has a line."
@@ -235,6 +250,8 @@ def _line(methods: pd.DataFrame, end: Mapping[Any, float]) -> dict[str, Any]:
     for method in methods.to_dict("records"):
         text = with_interval(share, method["share"], method["low"], method["high"])
         text = text.replace(" to ", "\u00a0to\u00a0")  # an interval stays on one line
+        if method["sample"]:
+            text += f" of {count(method['trials'])}"
         line[f"suite_{method['place']}"] = text if is_plugin else f"{method['solver']}\n{text}"
     return line
 

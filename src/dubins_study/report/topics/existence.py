@@ -171,9 +171,9 @@ def _text(frame: pd.DataFrame) -> str:
         by_presolve,
         by_engines,
         *(
-            f"{len(denied)} of {len(frame)} solvers call a question infeasible that has a path, "
-            f"most often {row['name']}: {share(row['denied_share'])} of "
-            f"{some(int(row['questions']), 'question')}."
+            f"{len(denied)} of {len(frame)} solvers say of a question with a path that there is "
+            f"none, at least near their last point, most often {row['name']}: "
+            f"{share(row['denied_share'])} of {some(int(row['questions']), 'question')}."
             for row in worst
         ),
     )

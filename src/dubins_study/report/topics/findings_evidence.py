@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import pandas as pd
 
-from dubins_study.report.data.attempts import EXACT
+from dubins_study.report.data.attempts import ENOUGH_ASKED, EXACT
 from dubins_study.report.elements.formats import Format, digits, seconds, share, some
 from dubins_study.report.elements.identity import with_interval
 from dubins_study.report.statistics.intervals import (
@@ -22,7 +22,6 @@ from dubins_study.report.statistics.intervals import (
 from dubins_study.report.statistics.methods import Compared
 from dubins_study.report.topics.belief import claims
 from dubins_study.report.topics.comparison import (
-    ENOUGH_ASKED,
     mean_ranks,
     times,
 )

@@ -31,6 +31,8 @@ def grid_optima(evidence: Evidence) -> Finding | None:
     if other_order is None or not optima["other_order"].any():
         return None
     longer = optima["verdict"].eq("longer")
+    by_label = optima.groupby("label", sort=False)["other_order"].agg(["sum", "size"])
+    parts = [f"{line.Index}: {line.sum} of {line.size}" for line in by_label.itertuples()]
     headings = kind.removeprefix(BEST_OF_GRID)
     return Finding(
         f"Do not take the order from a grid's optimum: with{headings} a point, "
@@ -38,6 +40,7 @@ def grid_optima(evidence: Evidence) -> Finding | None:
         other_order,
         f"{some(other_order.questions, 'tour')} of which the grid's optimum and the shortest tour "
         f"are both proved; {count(longer.sum())} optima are longer, by "
-        f"{share(optima.loc[longer, 'gap'].median())} at the median",
+        f"{share(optima.loc[longer, 'gap'].median())} at the median; another order by density: "
+        f"{', '.join(parts)}",
         TITLE,
     )

@@ -77,7 +77,7 @@ def searches_section(results: Results) -> Section | None:
     caption = (
         f"Share of {count(len(TARGETS))} targets (gaps of 1e-1 to 1e-8) over {count(questions)} "
         f"questions and {count(seeds)} seeds that are reached within a number of evaluations. "
-        "Higher is better. A flat line no longer improves, most often in another basin."
+        "Higher is better. A flat line has ended, or improves no more."
     )
     picture = panels_picture(
         "searches",
