@@ -158,7 +158,8 @@ def _profiles(rows: pd.DataFrame, results: Results, timed: set[str]) -> Picture:
     palette = palette_of(results, short_labels(methods_of(results.rows)))
     return panels_picture(
         "routes-profile",
-        "The share of routes that a method answers within a time, for three largest gaps. Higher: "
+        "The share of routes that a method answers within a time, for three largest gaps, of "
+        "methods that were asked nearly all. Higher: "
         "more routes; further left: faster. An open route counts if its proven interval is narrow "
         "enough.",
         share_curves,

@@ -14,9 +14,9 @@ import pandas as pd
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.content import Section, Topic, panels_picture
 from dubins_study.report.elements.formats import count, sentences, some
-from dubins_study.report.elements.looks import Palette, labels_of
+from dubins_study.report.elements.looks import Palette
 from dubins_study.report.elements.plots import share_curves
-from dubins_study.report.statistics.metrics import gaps
+from dubins_study.report.statistics.metrics import gaps, parse_spec
 from dubins_study.report.topics.routes import with_legs
 from dubins_study.study.arrays import FloatArray
 
@@ -65,13 +65,20 @@ def runtimes(rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
     return panels
 
 
+def _name(solver: str, engines: pd.Series[str]) -> str:
+    """The engine, and what it does after its end."""
+    settings = parse_spec(solver)[1]
+    restarts = "begun anew" if settings.get("restarts") == "True" else ""
+    return ", ".join(filter(None, (engines[solver], restarts, settings.get("options", ""))))
+
+
 def searches_section(results: Results) -> Section | None:
     """The curves, a panel for each number of legs."""
     rows = results.rows[results.rows["evaluations"].notna()]
     if rows.empty:
         return None
     palette = Palette.of_page(results)
-    labels = labels_of(results)
+    engines = results.methods.set_index("solver")["engine"]
     seeds = int(rows["repeat"].nunique())
     questions = rows["scenario_id"].nunique()
     caption = (
@@ -85,7 +92,7 @@ def searches_section(results: Results) -> Section | None:
         share_curves,
         "Rising curves of the share of targets reached against evaluations",
         runtimes(rows),
-        {str(solver): labels[str(solver)] for solver in rows["solver"].unique()},
+        {str(solver): _name(str(solver), engines) for solver in rows["solver"].unique()},
         palette,
         "evaluations",
         "share of targets",
