@@ -45,10 +45,10 @@ BUDGETS = {
     "asking": 5_500,
     "experiments": 37_900,
     "conformance": 11_800,
-    "report": 77_400,
+    "report": 77_500,
     "missions": 8_600,
     "cli": 15_000,
-    "package": 320_800,
+    "package": 320_900,
     "tests": 284_800,
 }
 
