@@ -77,7 +77,6 @@ def relative_width(table):
 
 
 @pytest.mark.slow
-@pytest.mark.xfail(reason="the suites have changed; these rows are not made anew yet", strict=True)
 def test_it_is_the_experiment_of_today(suite, table):
     """It is the experiment of today.
 

@@ -435,10 +435,13 @@ def test_random_scenarios(target: tuple[float, float], exponent: float, n: int, 
     for branch in RATES:
         solution, found = ask(scenario, branch, solver)
         assert not found.false_claim
-        # straight behind the two basins tie, and a coarse answer in either is a good one
-        assert not found.wrong_basin or (found.gap or 1.0) < 5e-3
+        # straight behind the two basins tie, and a coarse answer in either is a good one; beside a
+        # circle the shorter basin is narrower than a coarse step
+        beside = margin(scenario) < 0.01
+        assert beside or not found.wrong_basin or (found.gap or 1.0) < 5e-3
         if shortest(scenario, branch) is None:
-            assert solution.claim == Claim.FAILED
+            # the last program of a sequence may be infeasible: a word on its neighbourhood
+            assert solution.claim in (Claim.FAILED, Claim.LOCALLY_INFEASIBLE)
         else:
             assert solution.claim == Claim.LOCAL
             check_path(scenario, solution, found, solver.n)
