@@ -44,7 +44,7 @@ class Suite(NamedTuple):
 SUITES = {
     "leg": Suite("outside, near", 1),
     "pose": Suite("far: 4 R to 20 R", 1),
-    "route": Suite("legs of 4 R to 20 R", 50),
+    "route": Suite("legs of 4 R to 20 R", 20),
     "tour": Suite("8 R sqrt(n)", 7),
 }
 PROVED_WIDTH = 1e-7  # relative; an interval that is wider is open
