@@ -122,13 +122,15 @@ def decision_section(results: Results) -> Section | None:
     attempts = compared(results)
     if attempts is None or attempts.answerable.empty:
         return Section("decision", TITLE, "", (), "Nothing can be compared here.")
-    # answers that were given more time than others to the same question are compared nowhere
-    limits = attempts.answerable["limit_s"].fillna(np.inf)
-    least = limits.groupby(attempts.answerable["question"]).transform("min")
-    rows = attempts.answerable[limits <= least]
+    rows = attempts.answerable
+    # answers with more time than others to the same question are not compared; a reader's own
+    # solver keeps its line, and the page warns of its other limit
+    plugins = rows["solver"].map(own_name).ne("")
+    least = rows["limit_s"].groupby(rows["question"]).transform("min")
+    rows = rows[~(rows["limit_s"] > least) | plugins]
+    plugins = plugins[rows.index]
     rows = rows.assign(experiment=suites(rows))
     few = bool(rows.groupby("experiment")["question"].nunique().min() < ENOUGH_TO_CHOOSE)
-    plugins = rows["solver"].map(own_name).ne("")
     each = few or bool(plugins.any() and len(attempts.methods) <= _MOST_LINES)
     stated = attempts.methods["formulation"].replace(UNSTATED, np.nan)
     formulation = rows["solver"].map(stated)
@@ -174,7 +176,7 @@ def _table(attempts: Compared, rows: pd.DataFrame, *, few: bool, each: bool) -> 
         key=lambda name: (first_seen.index(name.partition(",")[0]), name),
     )
     best = best_supported(rows).reset_index()
-    best = best[(best["trials"] >= ENOUGH_TO_CHOOSE) | each]
+    best = best[each | (best["trials"] >= ENOUGH_TO_CHOOSE) | best["solver"].map(own_name).ne("")]
     best["knows"] = best["solver"].map(rows.groupby("solver")["knows"].first())
     best["place"] = best["experiment"].map(experiments.index)
     most_asked = best.groupby("place")["trials"].transform("max")
