@@ -29,6 +29,7 @@ from dubins_study.study.rows.schema import KEY, names
 from dubins_study.study.tolerances import tolerances
 
 _KEY = names(KEY)
+_ROUND = 500  # chains; a round replaces each worker once, some seconds in all
 
 
 @contextmanager
@@ -83,9 +84,12 @@ def solve_chains(
 
 def _first_jobs(unit: WorkUnit) -> Iterator[Job]:
     """The jobs of the first cells of all chains."""
-    # Our own solvers first, then plug-in by plug-in, so that workers are rarely replaced.
-    for chain in sorted(unit.chains, key=lambda chain: worker_group(chain[0].solver)):
-        yield from _next_job(iter(chain), None)
+    # Within a round, cells of one group of workers follow each other: workers are rarely replaced.
+    # In each round all solvers have their turn: a slow time of the machine concerns them all.
+    for start in range(0, len(unit.chains), _ROUND):
+        of_round = unit.chains[start : start + _ROUND]
+        for chain in sorted(of_round, key=lambda chain: worker_group(chain[0].solver)):
+            yield from _next_job(iter(chain), None)
 
 
 def _next_job(cells: Iterator[Cell], path: Path | None) -> Iterator[Job]:
