@@ -111,7 +111,7 @@ def belief(rows: pd.DataFrame, page: str) -> Iterator[Number]:
     """
     text = text_of(page, "belief").replace("\u202f", " ")
     asked = rows[rows["presolved"].ne(True)]
-    false = asked["false_claim"].eq(True)
+    false = asked["false_claim"].eq(True) & ~by_tolerance(asked)
     liars = asked.loc[false, "solver"].nunique()
     yield Number("attempts", one(r"In ([\d ]+) attempts", text), count(asked["made"].sum()))
     yield Number("false claims", one(r"made ([\d ]+) false claims?", text), count(false.sum()))
@@ -123,6 +123,15 @@ def belief(rows: pd.DataFrame, page: str) -> Iterator[Number]:
     yield Number("claims of an optimum", one(r"Of ([\d ]+) claims", text), count(optima.sum()))
     wrong = optima & asked["verdict"].eq("longer") & false
     yield Number("of these false", one(r"optimal ([\d ]+) are false", text), count(wrong.sum()))
+
+
+def by_tolerance(rows: pd.DataFrame) -> pd.Series[bool]:
+    """Whether a path misses by ten tolerances at most.
+
+    They are relative to its length, or to a larger radius.
+    """
+    scale = rows[["length", "radius"]].max(axis=1)
+    return rows["verdict"].eq("misses") & (rows["miss"] <= 10 * rows["tolerance"] * scale)
 
 
 def one(pattern: str, text: str) -> str:

@@ -95,7 +95,8 @@ IPOPT = {"solver": "ipopt"}
 BOTH_ORDERS = {"solver": "ipopt[model=joint]", "formulation": JOINT}
 ONE_GUESS = {"solver": "one", "guess": "one", "guesses": "one"}
 BLIND = {"solver": "blind", "guess": "straight", "guesses": "blind"}
-SCIP = {"solver": "disjunctive", "engine": "SCIP", "formulation": "disjunction", "guess": "none"}
+SCIP = {"solver": "global-nlp[model=words]", "engine": "SCIP", "guess": "none"}
+OTHER_FORMULATION = {"formulation": "disjunction"}
 PROOF = {"claim": "optimal", "lower_bound": 4.0}
 
 
@@ -203,7 +204,7 @@ CASES = [
     Case(
         found.price_of_proof,
         of_two(IPOPT, SCIP | PROOF, partial(slower, 50.0)),
-        ("SCIP on disjunction takes 50 (50 to 50) times", "right on 100 % ("),
+        ("SCIP takes 50 (50 to 50) times", "right on 100 % ("),
         50.0,
     ),
 ]
@@ -373,6 +374,13 @@ def test_no_sentence_compares_times_that_are_mostly_floor(floor_s, runs, said):
     proof = of_two(IPOPT | floor, SCIP | PROOF, partial(slower, 50.0))(MANY, True)
 
     assert (found.price_of_proof(evidence(proof)) is not None) is said
+
+
+def test_the_price_of_a_proof_is_no_price_of_a_formulation():
+    """Methods with and without a proof are compared on one formulation."""
+    rows = of_two(IPOPT, SCIP | PROOF | OTHER_FORMULATION, partial(slower, 50.0))(MANY, True)
+
+    assert found.price_of_proof(evidence(rows)) is None
 
 
 def test_an_exponent_is_that_of_the_times():

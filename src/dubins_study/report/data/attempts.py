@@ -9,6 +9,7 @@ from collections.abc import Iterable
 from functools import cache
 from importlib.metadata import entry_points
 
+import numpy as np
 import pandas as pd
 
 from dubins_study.study.scenario_frame import numbers_of
@@ -36,6 +37,9 @@ _METHOD = ["formulation", "engine", "guess"]
 ENOUGH_TO_CHOOSE = 30
 # A method with a smaller share of the questions would shrink the set that all methods share.
 ENOUGH_ASKED = 0.9
+# Two equations that are each off by the tolerance move a path's end, and its length, by a small
+# multiple of it.
+TOLERANCES = 10.0
 
 
 def own_name(spec: str) -> str:
@@ -82,6 +86,17 @@ def is_true(values: pd.Series) -> pd.Series[bool]:
     A missing one is not.
     """
     return values.eq(True).fillna(False).astype(bool)
+
+
+def false_claims(rows: pd.DataFrame) -> pd.Series[bool]:
+    """Claims that are false by more than the engine's tolerance.
+
+    The tolerance explains a path that misses by at most ten times as much, relative to the path's
+    length, or to a larger radius. A maker's own tolerance is not known, so it explains nothing.
+    """
+    scale = np.maximum(rows["length"], rows["radius"])
+    explained = rows["miss"] <= TOLERANCES * rows["tolerance"] * scale
+    return is_true(rows["false_claim"]) & ~(rows["verdict"].eq("misses") & explained)
 
 
 def presolved(rows: pd.DataFrame) -> pd.Series[bool]:

@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from dubins_study.report.data.attempts import EXACT, is_true, own
+from dubins_study.report.data.attempts import EXACT, TOLERANCES, false_claims, is_true, own
 from dubins_study.report.data.command import ROUTE, SCENARIO
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.columns import columns
@@ -30,15 +30,14 @@ from dubins_study.study.scenario_frame import solve_command
 from dubins_study.study.words import Claim, Outcome
 
 # The worth of a claim, compared with the check's verdict. True: it says no more than the verdict.
-# True to its tolerance: its bound is too high by no more than the engine's tolerance explains.
+# True to its tolerance: its bound is too high, or its path misses, by no more than the engine's
+# tolerance explains.
 # Less than known: no claim of a path that arrives, or of an optimal path only that it is feasible.
 # Says nothing: no claim, and no path that arrives. Denial: a local engine found no path near its
 # last point where a path exists, which is no claim about the question. False: the claim, or its
 # bound, says more than the verdict.
 TRUTHS = ("true", "true to its tolerance", "less than known", "says nothing", "denial", "false")
 TRUE, TOLERATED, LESS, NOTHING, DENIAL, FALSE = TRUTHS
-# Two equations that are each off by the tolerance move the length by a small multiple of it.
-_TOLERANCES = 10.0
 _SILENT = ("failed", "limit", "none")
 # From dark to light with hatches, so that grey print keeps them apart.
 MARKS = (
@@ -57,6 +56,7 @@ _SHORT = {
     "its bound lies above the shortest length by its tolerance": "bound too high by its tolerance",
     "it calls a path optimal that is longer": "optimal, but longer",
     "it calls a question infeasible that has a path": "infeasible, but has a path",
+    "it calls a path found that misses by its tolerance": "misses by its tolerance",
     "it calls a path found that does not arrive": "path, but misses",
 }
 PROOFS = tuple(_SHORT)
@@ -78,21 +78,24 @@ def claims(compared: Compared) -> pd.DataFrame:
     scale = np.maximum(rows["reference_high"], rows["radius"])
     above: pd.Series[float] = (rows["lower_bound"] - rows["reference_high"]) / scale
     excess = above.where(high)
-    false = is_true(rows["false_claim"]) | (high & ~(excess <= _TOLERANCES * rows["tolerance"]))
+    false = false_claims(rows)
+    misses = is_true(rows["false_claim"]) & ~false  # by its tolerance
+    false |= high & ~(excess <= TOLERANCES * rows["tolerance"])
     silent = claim.isin(_SILENT)
     less = silent & verdict.isin(["optimal", "longer"])
     less |= (claim == "feasible") & (verdict == "optimal")
     denial = rows["answerable"] & (claim == Claim.LOCALLY_INFEASIBLE)
-    worths = [false, high, denial, less, silent]
+    worths = [false, high | misses, denial, less, silent]
     truth = np.select(worths, [FALSE, TOLERATED, DENIAL, LESS, NOTHING], TRUE)
     kinds = [
         high & false,
         high,
         (claim == "optimal") & (verdict == "longer"),
         claim == "infeasible",
+        misses,
     ]
-    proof = pd.Series(np.select(kinds, PROOFS[:4], PROOFS[4]), rows.index, dtype=object)
-    return rows.assign(truth=truth, proof=proof.where(false | high), excess=excess)
+    proof = pd.Series(np.select(kinds, PROOFS[:5], PROOFS[5]), rows.index, dtype=object)
+    return rows.assign(truth=truth, proof=proof.where(false | high | misses), excess=excess)
 
 
 def beliefs(rows: pd.DataFrame) -> pd.DataFrame:
@@ -184,6 +187,8 @@ def _liars(rows: pd.DataFrame, table: pd.DataFrame) -> str:
     if len(false):
         liars = f"In {attempts} {number} of {count(len(table))} made {claimed}{listed}."
     parts = [liars]
+    if len(false) and rows.loc[false.index, "tolerance"].isna().all():
+        parts.append("All are of engines that keep their makers' tolerances.")
     if denials:
         parts.append(f"{some(denials, 'denial')} more concern only a local engine's last point.")
     if len(optima):
@@ -244,8 +249,8 @@ def _proof_table(false: pd.DataFrame, names: pd.DataFrame) -> Table:
     )
     caption = (
         "Kinds of false claims, each with the example of the nearest target; the command repeats "
-        "it. A bound too high by its tolerance, at most ten times the feasibility asked for, "
-        "counts as true to its tolerance. Lengths in the scenario's unit."
+        "it. What ten times the feasibility asked for explains, relative to the length, counts as "
+        "true to its tolerance. Lengths in the scenario's unit."
     )
     return Table("belief-false", caption, frame, shown, dense=True)
 

@@ -109,7 +109,8 @@ def convex_section(results: Results) -> Section | None:
     direct = rows[rows["interface"] == _OWN]
     methods = by_method(direct)
     false = int(rows["false_claim"].sum())
-    denied = int((rows["false_claim"] & rows["claim"].eq("infeasible")).sum())
+    denials = rows.loc[rows["false_claim"] & rows["claim"].eq("infeasible"), "name"].value_counts()
+    most = f" ({denials.index[0]}: {count(denials.iloc[0])})" if len(denials) else ""
     hidden = int((rows["kept"] & rows["verdict"].eq("longer")).sum())
     former = rows.loc[~rows["label"].isin(listed()), "label"].nunique()
     old_problems = ""
@@ -118,9 +119,9 @@ def convex_section(results: Results) -> Section | None:
     text = sentences(
         "An answer is right if the feasible point made from it costs at most the tolerance more "
         "than the proven optimum. Engines are asked for an absolute tolerance and no relative one.",
-        f"False claims in {some(len(rows), 'answer')}: {count(false)}. In {count(denied)} of them "
-        "the engine claims that no point is feasible. In the others it claims an optimum; the "
-        "proof and a residual beyond the tolerance refute it.",
+        f"False claims in {some(len(rows), 'answer')}: {count(false)}. In {count(denials.sum())} of "
+        f"them the engine claims that no point is feasible{most}. In the others it claims an "
+        "optimum; the proof and a residual beyond the tolerance refute it.",
         f"Answers with all three residuals within the tolerance, but further than that from the "
         f"optimum: {count(hidden)}.",
         _through_cvxpy(rows),
@@ -194,7 +195,9 @@ def _engines(methods: pd.DataFrame, shift: float) -> Table:
     """
     mean = methods["mean_s"].map(seconds, na_action="ignore").astype(object).fillna(ABSENT)
     floor = np.where(methods["floor_s"] > 0.5 * methods["mean_s"], "*", "")
-    cells = methods.assign(at=methods["right_text"] + "\n" + mean + floor)
+    most = methods.groupby("family")["asked"].transform("max")
+    sample = (" of " + methods["asked"].map(count)).where(methods["asked"] < most, "")
+    cells = methods.assign(at=methods["right_text"] + sample + "\n" + mean + floor)
     groups = cells.groupby(["family", "name"])
     frame = groups.agg(
         false_claim=("false_claim", "sum"), floor_s=("floor_s", "median"), low=("right_low", "mean")
@@ -214,8 +217,8 @@ def _engines(methods: pd.DataFrame, shift: float) -> Table:
     caption = (
         "Share of problems solved right, its 95 % interval (Wilson), and the mean time. The mean "
         f"is shifted geometric, shift {seconds(shift)} (the lower quartile of all times); failures "
-        "and problems not asked count as the limit. *: more than half of it is the floor, the time "
-        "of a problem of one variable."
+        "and problems not asked count as the limit. Of a number: asked only so many. *: more than "
+        "half of it is the floor, the time of a problem of one variable."
     )
     numbers: list[str] = []
     for t in tolerances:

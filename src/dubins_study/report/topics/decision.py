@@ -15,6 +15,7 @@ from dubins_study.report.data.attempts import (
     ENOUGH_ASKED,
     ENOUGH_TO_CHOOSE,
     EXACT,
+    false_claims,
     is_true,
     legs_of,
     own_name,
@@ -85,7 +86,7 @@ def ends(rows: pd.DataFrame) -> dict[Hashable, dict[Any, float]]:
     }
     kind = np.select([*conditions.values()], [*conditions], "none")
     flags = pd.get_dummies(pd.Series(kind, rows.index)).reindex(columns=_SHARES, fill_value=False)
-    counted = pd.DataFrame({"false_claims": is_true(rows["false_claim"]), "asked": was_asked})
+    counted = pd.DataFrame({"false_claims": false_claims(rows), "asked": was_asked})
     kinds = [rows[key] for key in _KIND]
     frame = flags.groupby(kinds).mean().join(counted.groupby(kinds).sum())
     return frame.to_dict("index")

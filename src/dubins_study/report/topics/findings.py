@@ -205,13 +205,19 @@ def presolve(evidence: Evidence) -> Finding | None:
 
 
 def price_of_proof(evidence: Evidence) -> Finding | None:
-    """The best method with proof against the best without."""
+    """The best method with proof against the best without.
+
+    Both have one formulation: else the ratio would compare formulations too.
+    """
     ranked = evidence.ranked
     proves = ranked.index.isin(evidence.provers)
-    if not proves.any() or proves.all():
+    formulation = evidence.methods["formulation"].reindex(ranked.index)
+    first_local = formulation[~proves].reset_index().groupby("formulation")["solver"].first()
+    provers = formulation[proves & formulation.isin(first_local.index)]
+    if provers.empty:
         return None
-    prover = ranked.index[proves][0]
-    local = ranked.index[~proves][0]
+    prover = provers.index[0]
+    local = first_local[provers.iloc[0]]
     ratio = evidence.time_ratio(prover, local)
     proven = evidence.rates[prover] == 1.0
     right = evidence.share_of(evidence.rates.loc[proven, local])
@@ -221,10 +227,12 @@ def price_of_proof(evidence: Evidence) -> Finding | None:
     knows = f" and knows {' and '.join(words_known.split())}" if words_known else ""
     return Finding(
         "Buy a proof only where errors cost more than time: "
-        f"{evidence.name(prover)} takes {ratio.text()} times as long as {evidence.name(local)}.",
+        f"{evidence.methods['engine'][prover]} takes {ratio.text()} times as long as "
+        f"{evidence.name(local)}.",
         ratio,
-        f"{evidence.medians_of(prover, local)}; the fastest methods with and without a proof. The "
-        f"method without one is right on {right.percent_text()} of the proved questions{knows}",
+        f"{evidence.medians_of(prover, local)}; the fastest methods with and without a proof on "
+        f"one formulation. The method without one is right on {right.percent_text()} of the proved "
+        f"questions{knows}",
         RANKS,
     )
 

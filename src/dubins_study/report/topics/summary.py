@@ -13,6 +13,7 @@ from dubins_study.report.data.attempts import (
     SUCCESSES,
     UNDECIDED,
     VERDICTS,
+    false_claims,
     is_true,
     methods,
     questions,
@@ -42,7 +43,10 @@ def solver_summary(attempts: pd.DataFrame) -> pd.DataFrame:
     returned = attempts["outcome"].eq("returned")
     flags = {name: verdict.eq(name) for name in VERDICTS}
     flags |= {"attempts": asked, "not_returned": ~returned}
-    flags |= {f"{name}s": is_true(attempts[name]) for name in ("false_claim", "wrong_basin")}
+    flags |= {
+        "false_claims": false_claims(attempts),
+        "wrong_basins": is_true(attempts["wrong_basin"]),
+    }
     counts = {name: asked & flag for name, flag in flags.items()} | {
         UNDECIDED: verdict.eq(UNDECIDED)
     }
