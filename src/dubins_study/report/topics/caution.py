@@ -49,7 +49,8 @@ def overlapping_shares(attempts: Compared) -> Caution | None:
         f"Do not rank methods by their shares alone: a share of {share(_TYPICAL_SHARE)} is known "
         f"to ±{digits(2)(points)} percentage points. Use the paired tests; overlapping intervals "
         "decide nothing.",
-        f"{some(questions, 'question')} with a path, the fewest of an experiment",
+        f"{some(questions, 'question')} with a path, the fewest of an experiment; less well of a "
+        "sample",
         "Summary",
     )
 

@@ -119,9 +119,9 @@ def convex_section(results: Results) -> Section | None:
     text = sentences(
         "An answer is right if the feasible point made from it costs at most the tolerance more "
         "than the proven optimum. Engines are asked for an absolute tolerance and no relative one.",
-        f"False claims in {some(len(rows), 'answer')}: {count(false)}. In {count(denials.sum())} of "
-        f"them the engine claims that no point is feasible{most}. In the others it claims an "
-        "optimum; the proof and a residual beyond the tolerance refute it.",
+        f"False claims in {some(len(rows), 'answer')}: {count(false)}. {count(denials.sum())} of "
+        f"them say that no point is feasible{most}. The others claim an optimum; the proof and a "
+        "residual beyond the tolerance refute it.",
         f"Answers with all three residuals within the tolerance, but further than that from the "
         f"optimum: {count(hidden)}.",
         _through_cvxpy(rows),
