@@ -205,6 +205,21 @@ def test_it_stands_first(load_rows):
     assert decided.frame["method"].iloc[0] == "MySolver"
 
 
+def test_it_has_a_line_with_a_limit_of_its_own(load_rows):
+    """A reader's own solver may have more time than the others.
+
+    An engine's attempts with more time than others had are not compared.
+    """
+    longer = [
+        attempt | {"limit_s": 60.0 if attempt["solver"] in (MINE, "ipopt") else 1.0}
+        for attempt in rows(ENOUGH_TO_CHOOSE, MINE)
+    ]
+    table = decision_section(load_rows("mine", longer, section="benchmark")).blocks[0].frame
+
+    assert "MySolver" in set(table["method"])
+    assert "ipopt" not in table.to_string()
+
+
 def test_it_is_drawn_where_few_of_many_are(load_rows):
     """It is drawn where few of many are.
 

@@ -92,8 +92,8 @@ def explorer_section(results: Results) -> Section:
     )
     try_it = (
         "Drag the target T: the bold path is the shortest, and each colour of the map is one word. "
-        "Drag T into a turning circle, across the heavy line: the path jumps to another word and "
-        "gets longer. Route and Tour have via points, which the path must pass on the way."
+        "Drag T into a turning circle, across the thick black arc: the path jumps to another word "
+        "and gets longer. Route and Tour have via points, which the path must pass on the way."
     )
     problem = Widget("problem", two_paths, Markup(_template("problem.html.j2").render()))
     explorer = Widget("explorer", try_it, _explorer())

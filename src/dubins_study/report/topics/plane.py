@@ -22,12 +22,12 @@ from dubins_study.report.topics.maps import grid_of, kind_maps
 
 _DENSE = 200  # places along each axis; with an even number none lies on a symmetric grid's axis
 _FEWEST_LINES = 5  # grid lines along x and along y; fewer do not give a map
-# A light and a dark shade of two hues: all four differ in grey print too.
+# The hue is that of the first turn; light and dark shades keep all four apart in grey print.
 WORDS = (
     Mark("LS", colour="#adcfe8"),
     Mark("RS", colour="#fdefd9"),
-    Mark("RL", colour="#3f7fb0"),
-    Mark("LR", colour="#d69a3c"),
+    Mark("RL", colour="#d69a3c"),
+    Mark("LR", colour="#3f7fb0"),
 )
 # Right answers, and the verdicts of wrong ones.
 ANSWERS = (

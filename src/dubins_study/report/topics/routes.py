@@ -368,12 +368,12 @@ def plot_success(
     whole = pd.MultiIndex.from_product((range(len(sizes)), range(len(solvers))), names=["x", "y"])
     draw_kinds(ax, placed.set_index(["x", "y"]).reindex(whole).reset_index(), marks)
     for cell in placed.to_dict("records"):
-        style: Style = {"ha": "center", "va": "center", "fontsize": 5.5}
+        style: Style = {"ha": "center", "va": "center", "fontsize": 5}
         ax.text(cell["x"], cell["y"], _cell_text(cell), color=cell["colour"], **style)
     ax.hlines(np.arange(len(solvers)) - 0.5, *ax.get_xlim(), color=MAP_PAPER, linewidth=0.6)
     ax.vlines(np.arange(len(sizes)) - 0.5, *ax.get_ylim(), color=MAP_PAPER, linewidth=0.6)
     ax.set_ylim(len(solvers) - 0.5, -0.5)
-    ax.set_xticks(range(len(sizes)), map(str, sizes), fontsize=7)
+    ax.set_xticks(range(len(sizes)), map(str, sizes), fontsize=6)
     ax.tick_params(length=0)
 
 
