@@ -62,10 +62,10 @@ WORTHS = [
     (honest(PLAIN, "scip", Claim.OPTIMAL, LONGER), "false"),
     (honest(PLAIN, "scip", Claim.LOCAL, LONGER), "true"),
     (honest(PLAIN, "scip", Claim.LOCAL, MISSES), "false"),
-    (honest(PLAIN, "scip", Claim.FEASIBLE), "less than known"),
+    (honest(PLAIN, "scip", Claim.FEASIBLE), "better than claimed"),
     (honest(PLAIN, "scip", Claim.FEASIBLE, LONGER), "true"),
-    (honest(PLAIN, "scip", Claim.FAILED), "less than known"),
-    (honest(PLAIN, "scip", Claim.LIMIT, LONGER), "less than known"),
+    (honest(PLAIN, "scip", Claim.FAILED), "better than claimed"),
+    (honest(PLAIN, "scip", Claim.LIMIT, LONGER), "better than claimed"),
     (honest(PLAIN, "scip", Claim.FAILED, MISSES), "says nothing"),
     (honest(PLAIN, "scip", Claim.NONE, None), "says nothing"),
     (honest(PLAIN, "scip", Claim.INFEASIBLE, None), "false"),
@@ -165,8 +165,8 @@ def test_the_section(load_rows):
     section = belief_section(liar)
     names = [block.name for block in section.blocks]
     assert names == ["belief-claims", "belief-false"]
-    assert "infeasible, but has a path" in section.blocks[1].texts()[0]
-    assert "1 method of 1 made 1 false claim (1 infeasible, but has a path)" in section.text
+    assert "no path, though one exists" in section.blocks[1].texts()[0]
+    assert "1 method of 1 made 1 false claim (no path, though one exists: 1)" in section.text
     assert "No method makes a false claim" in belief_section(good).text
     assert len(belief_section(good).blocks) == 1
 

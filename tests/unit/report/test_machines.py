@@ -115,16 +115,17 @@ def test_a_late_answer_of_another_machine_is_late(tmp_path, folders):
     assert rows["wall_s"].isna().all()
 
 
-def suites(place, limit_s):
+def suites(place, limit_s, sections=(None, None)):
     """A suite and a sample of it.
 
     The suite has a limit of 1 s, the sample another one: two questions of each.
     """
+    of_suite, of_sample = sections
     suite = [attempt(question, "slsqp", limit_s=1.0) for question in QUESTIONS[:2]]
     again = [attempt(QUESTIONS[0], "ipopt", limit_s=limit_s), lost(QUESTIONS[5], "ipopt")]
     return [
-        write_folder(place / "suite", "suite", suite, time_limit_s=10.0),
-        write_folder(place / "again", "again", again, time_limit_s=10.0),
+        write_folder(place / "suite", "suite", suite, section=of_suite, time_limit_s=10.0),
+        write_folder(place / "again", "again", again, section=of_sample, time_limit_s=10.0),
     ]
 
 
@@ -142,8 +143,12 @@ def test_a_question_with_two_limits_is_named(tmp_path, caplog):
     assert message in page.read_text(encoding="utf-8")
 
 
-def test_questions_with_one_limit_are_not(tmp_path, caplog):
-    folders = suites(tmp_path, limit_s=1.0)
+@pytest.mark.parametrize(
+    ("limit_s", "sections"), [(1.0, (None, None)), (10.0, ("benchmark", "searches"))]
+)
+def test_questions_with_one_limit_are_not(tmp_path, caplog, limit_s, sections):
+    """Neither are those of suites that have sections of their own."""
+    folders = suites(tmp_path, limit_s, sections)
 
     assert [folder.rows.other_limits for folder in load(folders).folders] == [0, 0]
     assert "time limit" not in caplog.text

@@ -96,7 +96,8 @@ def select_attempts(
     place = counted.schema.get_field_index("limit_s")
     filled = pa.array(limits, pa.float64(), from_pandas=True)
     counted = counted.set_column(place, counted.schema.field(place), filled)
-    differ = _other_limits(shown.assign(limit_s=limits))
+    sections = {n: m.experiment.section for n, m in enumerate(manifests)}
+    differ = _other_limits(shown.assign(limit_s=limits, section=shown["folder"].map(sections)))
     return counted, [
         _row_counts(
             current[rows["folder"] == n], pairs[pairs["folder"] == n], m.gap_tolerance
@@ -118,11 +119,15 @@ def _own_machines(rows: pd.DataFrame) -> dict[str, str | None]:
 def _other_limits(rows: pd.DataFrame) -> pd.Series[int]:
     """Questions with another time limit, by folder.
 
-    An earlier folder asks them with another limit.
+    An earlier folder asks them with another limit. Suites that have different sections of their own
+    are not compared, and may have different limits.
     """
     questions = rows.drop_duplicates(["folder", "scenario_id", "branch", "limit_s"])
-    first = questions.groupby(["scenario_id", "branch"])[["folder", "limit_s"]].transform("first")
-    later = questions["folder"] > first["folder"]
+    columns = ["folder", "limit_s", "section"]
+    first = questions.groupby(["scenario_id", "branch"])[columns].transform("first")
+    apart = questions["section"].ne(first["section"])
+    apart &= questions["section"].notna() & first["section"].notna()
+    later = (questions["folder"] > first["folder"]) & ~apart
     other = questions[later & (questions["limit_s"] != first["limit_s"]) & first["limit_s"].notna()]
     return other.drop_duplicates(["folder", "scenario_id", "branch"]).groupby("folder").size()
 

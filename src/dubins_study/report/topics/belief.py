@@ -32,11 +32,11 @@ from dubins_study.study.words import Claim, Outcome
 # The worth of a claim, compared with the check's verdict. True: it says no more than the verdict.
 # True to its tolerance: its bound is too high, or its path misses, by no more than the engine's
 # tolerance explains.
-# Less than known: no claim of a path that arrives, or of an optimal path only that it is feasible.
+# Better than claimed: a path arrives without a claim, or a shortest path is called feasible only.
 # Says nothing: no claim, and no path that arrives. Denial: a local engine found no path near its
 # last point where a path exists, which is no claim about the question. False: the claim, or its
 # bound, says more than the verdict.
-TRUTHS = ("true", "true to its tolerance", "less than known", "says nothing", "denial", "false")
+TRUTHS = ("true", "true to its tolerance", "better than claimed", "says nothing", "denial", "false")
 TRUE, TOLERATED, LESS, NOTHING, DENIAL, FALSE = TRUTHS
 _SILENT = ("failed", "limit", "none")
 # From dark to light with hatches, so that grey print keeps them apart.
@@ -52,12 +52,12 @@ MARKS = (
 FEW = 0.5
 # Kinds of false proof, the strongest first, and their names in a table's head.
 _SHORT = {
-    "its bound lies above the shortest length": "bound too high",
-    "its bound lies above the shortest length by its tolerance": "bound too high by its tolerance",
-    "it calls a path optimal that is longer": "optimal, but longer",
-    "it calls a question infeasible that has a path": "infeasible, but has a path",
-    "it calls a path found that misses by its tolerance": "misses by its tolerance",
-    "it calls a path found that does not arrive": "path, but misses",
+    "its bound lies above the shortest length": "a bound that is too high",
+    "its bound lies above the shortest length by its tolerance": "a bound high by its tolerance",
+    "it calls a path optimal that is longer": "a longer path called optimal",
+    "it calls a question infeasible that has a path": "no path, though one exists",
+    "it calls a path found that misses by its tolerance": "a path that misses by its tolerance",
+    "it calls a path found that does not arrive": "a path that misses",
 }
 PROOFS = tuple(_SHORT)
 
@@ -162,8 +162,8 @@ def belief_section(results: Results) -> Section | None:
         _liars(rows, table),
     )
     lead = (
-        "Red, and counted beside the bar: answers that claim more than is true. Brown: a local "
-        "engine reports that no path is near its last point, though a path exists."
+        "Crossed, and counted beside the bar: answers that claim more than is true. Dotted: "
+        "denials by local engines."
     )
     return Section("belief", "Whom one can believe", text, tuple(blocks), lead)
 
@@ -176,7 +176,7 @@ def _liars(rows: pd.DataFrame, table: pd.DataFrame) -> str:
     attempts_made = int((rows["outcome"] != Outcome.NOT_ASKED).sum())
     false = rows.loc[rows["truth"] == FALSE, "proof"]
     claimed = some(len(false), "false claim")
-    kinds = [f"{count(n)} {_SHORT[str(kind)]}" for kind, n in false.value_counts().items()]
+    kinds = [f"{_SHORT[str(kind)]}: {count(n)}" for kind, n in false.value_counts().items()]
     listed = f" ({', '.join(kinds)})" if kinds else ""
     number = some(int((table["attempts"] > 0).sum()), "method")
     denials = int((rows["truth"] == DENIAL).sum())
@@ -190,7 +190,10 @@ def _liars(rows: pd.DataFrame, table: pd.DataFrame) -> str:
     if len(false) and rows.loc[false.index, "tolerance"].isna().all():
         parts.append("All are of engines that keep their makers' tolerances.")
     if denials:
-        parts.append(f"{some(denials, 'denial')} more concern only a local engine's last point.")
+        parts.append(
+            f"{some(denials, 'denial')} are counted apart: a local engine reports that no path is "
+            "near its last point, though a path exists."
+        )
     if len(optima):
         claims_of_optima = some(len(optima), "claim")
         parts.append(f"Of {claims_of_optima} that a path is optimal {count(wrong)} are false.")
@@ -208,15 +211,15 @@ def _picture(table: pd.DataFrame) -> Picture:
     rest = ""
     if left_out > 0:
         rest = (
-            f" A formulation has at most {_MOST_BARS} methods, those with most of these; "
-            f"{count(left_out)} are left out."
+            f" At most {_MOST_BARS} methods a formulation, those with most false claims, then "
+            f"denials; {count(left_out)} are left out."
         )
     few = shown["questions"] < FEW * shown["askable"]
-    star = " A dagger: asked a sample only." if few.any() else ""
+    star = " †: asked a sample only." if few.any() else ""
     caption = (
-        "Worth of the claims, as shares of the questions, those without a path included. "
-        f"The number counts false claims.{rest}{star} A narrow screen shows only methods with "
-        "false claims."
+        "Bold: formulations; below each its engines, with guess and options. Shares of the "
+        f"questions, those without a path included.{rest}{star} A narrow screen shows only methods "
+        "with false claims."
     )
     alt = "Stacked bars of true, weak, silent and false claims, by formulation"
     numbers = zip(shown["attempts"], few, strict=True)

@@ -141,7 +141,8 @@ def decision_section(results: Results) -> Section | None:
         guesses=rows["guesses"].fillna("").mask(alone, ""),
     )
     tables = (_table(attempts, rows, few=few, each=each),)
-    return Section("decision", TITLE, "", tables, _lead(rows))
+    text = "The table says what each method must know, and how often it is right."
+    return Section("decision", TITLE, text, tables, _lead(rows))
 
 
 def _lead(rows: pd.DataFrame) -> str:
@@ -157,8 +158,7 @@ def _lead(rows: pd.DataFrame) -> str:
     where = routes if legs_of(rows).gt(1).any() else ""
     return (
         f"If you only need the path, use the closed form{where}: right in time on "
-        f"{count(right)} of {some(exact['question'].nunique(), 'question')}. "
-        "The table says what each method must know, and how often it is right."
+        f"{count(right)} of {some(exact['question'].nunique(), 'question')}."
     )
 
 

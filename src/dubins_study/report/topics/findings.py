@@ -198,8 +198,9 @@ def presolve(evidence: Evidence) -> Finding | None:
         "Drop the words that geometry excludes before you call an engine: this divides the "
         f"evaluations of a question by {factor.text()}.",
         factor,
-        f"{some(factor.questions, 'question')} with a path; geometric mean of "
-        f"{some(len(ratios.columns), 'method')} with and without it; medians {', '.join(parts)}",
+        f"{some(factor.questions, 'question')} with a path; geometric mean over questions and "
+        f"{some(len(ratios.columns), 'method')}, which some large savings raise; the medians: "
+        f"{', '.join(parts)}",
         "Cost where it arises",
     )
 

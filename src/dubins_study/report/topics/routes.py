@@ -111,8 +111,8 @@ def routes_section(results: Results) -> Section | None:
     cells = in_page_order(by_size(rows), results)
     strata = stratum_order(results, cells["label"])
     lead = (
-        "Each row is a method. From left to right the routes have more legs; from panel to panel "
-        "the legs are shorter."
+        "Each row is a method. To the right routes have more legs; from panel to panel legs are "
+        "shorter; fields are points as in practice."
     )
     engines = solver_summary(results.attempts)
     engines = engines[engines["solver"] != EXACT]
@@ -185,15 +185,17 @@ def _text(rows: pd.DataFrame) -> str:
             "is not known well enough, and no share counts them."
         )
     proved = ""
-    closed = rows.loc[rows["solver"] == EXACT, "claim"].eq("optimal")
+    search = rows[rows["solver"] == EXACT]
+    closed = search["claim"].eq("optimal") & ~is_true(search["late"])
     if len(closed):
         proved = (
             f"The search with a proof closes {count(closed.sum())} of its {count(len(closed))} "
             "attempts within its limit."
         )
     return sentences(
-        "Right: the path passes all points in order, and its proven gap is within the run's "
-        "tolerance. Best supported: the method whose 95 % interval has the highest lower end.",
+        "Right: the path passes all points in order, and the check proves that it is within the "
+        "tolerance of the shortest. Best supported: the method whose 95 % interval has the highest "
+        "lower end.",
         left_open,
         proved,
         second_opinion(rows),
