@@ -5,7 +5,6 @@ There are rows with the effect, without it, and too few rows.
 A finding that no effect can remove, or that no effect can make, would be a typed one.
 """
 
-import math
 from collections.abc import Callable, Iterable
 from functools import partial
 from typing import Any, NamedTuple
@@ -19,7 +18,6 @@ from dubins_study.report.elements.content import General
 from dubins_study.report.page.sections import TOPICS, sections_of
 from dubins_study.report.statistics.methods import Compared, compared, methods_of
 from dubins_study.report.topics import findings as found
-from dubins_study.report.topics.caution import proved_routes
 from dubins_study.report.topics.findings import FINDINGS, findings_section
 from dubins_study.report.topics.findings_evidence import ENOUGH, Evidence, Finding, chosen_share
 from dubins_study.report.topics.findings_routes import exponent
@@ -275,20 +273,6 @@ def test_the_search_is_held_against_the_fastest_of_those_that_are_as_sure():
     assert (
         found.proof_of_routes(evidence([one for one in rows if one not in ipopt] + never)) is None
     )
-
-
-@pytest.mark.parametrize(("width", "said"), [(0.0, True), (1e-7, False), (math.nan, False)])
-def test_a_share_of_proved_routes_is_said_to_be_of_those_that_close(width, said):
-    """A share of proved routes names those that close.
-
-    It does not if one of them is open; a solver that was not asked has no reference.
-    """
-    rows = [one | {"reference_low": 4.0} for one in routes(MANY, True)]
-    rows[0] |= {"reference_low": math.nan, "reference_high": math.nan}
-    rows[3]["reference_low"] -= 4.0 * width
-    rows[2]["reference_low"] -= 4.0 * width
-
-    assert (proved_routes(evidence(rows).compared) is not None) is said
 
 
 @pytest.mark.parametrize(

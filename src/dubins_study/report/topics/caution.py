@@ -9,20 +9,17 @@ from typing import NamedTuple
 
 import pandas as pd
 
-from dubins_study.report.data.attempts import EXACT, legs_of
+from dubins_study.report.data.attempts import EXACT
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.columns import columns
 from dubins_study.report.elements.content import General, Section, Table, Topic
 from dubins_study.report.elements.formats import count, digits, seconds, share, some
 from dubins_study.report.statistics.intervals import wilson_intervals
 from dubins_study.report.statistics.methods import Compared, compared
-from dubins_study.report.topics.findings_evidence import ENOUGH
-from dubins_study.report.topics.routes import TITLE
 from dubins_study.study.words import FORMULATIONS, Outcome
 
 # The precision of shares is given at this share: most methods that matter lie near it.
 _TYPICAL_SHARE = 0.9
-_CLOSED = 1e-8  # relative width of a route's reference
 _STOPPED_OUTCOMES = ("timeout", "out_of_memory")
 
 
@@ -92,21 +89,6 @@ def stopped_attempts(attempts: Compared) -> Caution | None:
     )
 
 
-def proved_routes(attempts: Compared) -> Caution | None:
-    """A caution if the search closes every route."""
-    rows = attempts.answerable[legs_of(attempts.answerable) > 1]
-    width = (rows["reference_high"] - rows["reference_low"]) / rows["reference_high"]
-    widths = width.groupby(rows["question"]).first()
-    if len(widths) < ENOUGH or not (widths <= _CLOSED).all():
-        return None
-    return Caution(
-        "Do not expect the search to close this share of all routes: only routes that it closes, "
-        f"to a relative {_CLOSED:.0e}, are asked here.",
-        some(len(widths), "route"),
-        TITLE,
-    )
-
-
 def missing_pairs(results: Results, attempts: Compared) -> Caution | None:
     """Pairs of formulation and engine without rows."""
     # the closed form is a formulation without an engine, and no pair
@@ -139,7 +121,6 @@ def caution_section(results: Results) -> Section | None:
         overlapping_shares(attempts),
         unsteady_machine(results),
         stopped_attempts(attempts),
-        proved_routes(attempts),
         missing_pairs(results, attempts),
     ]
     shown = (

@@ -224,8 +224,6 @@ def price_of_proof(evidence: Evidence) -> Finding | None:
     right = evidence.share_of(evidence.rates.loc[proven, local])
     if ratio is None or right is None or not ratio.low > 1 or ratio.questions < ENOUGH_TO_CHOOSE:
         return None
-    words_known = evidence.knows(local)
-    knows = f" and knows {' and '.join(words_known.split())}" if words_known else ""
     return Finding(
         "Buy a proof only where errors cost more than time: "
         f"{evidence.methods['engine'][prover]} takes {ratio.text()} times as long as "
@@ -233,7 +231,7 @@ def price_of_proof(evidence: Evidence) -> Finding | None:
         ratio,
         f"{evidence.medians_of(prover, local)}; the fastest methods with and without a proof on "
         f"one formulation. The method without one is right on {right.percent_text()} of the proved "
-        f"questions{knows}",
+        "questions",
         RANKS,
     )
 
