@@ -18,7 +18,7 @@ from typing import Any, NamedTuple
 
 import psutil
 
-from dubins_study.asking.reply import Reply, ask, exception_text, no_answer
+from dubins_study.asking.reply import Reply, ask, exception_text, raised_answer
 from dubins_study.experiments.isolation.messages import Channel, decode_question, encode_reply
 from dubins_study.experiments.isolation.process_state import ProcessState, bound_process, seed
 from dubins_study.experiments.isolation.worker import answer_tasks
@@ -34,7 +34,7 @@ from dubins_study.solvers.registry import (
 from dubins_study.study.kinds.table import EVERY_BRANCH
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Pose
-from dubins_study.study.words import FINAL_HEADING, FREE_FINAL_HEADING, Outcome
+from dubins_study.study.words import FINAL_HEADING, FREE_FINAL_HEADING
 
 MEMORY_BYTES = 4 * 2**30
 TEMPORARY = "temporary"  # folder for temporary files, in the folder of the worker
@@ -218,7 +218,7 @@ def serve(channel: Channel, spec: str, profile: str, folder: str) -> None:
         try:
             seen = observer.ask(decode_question(encoded), limit)
         except KeyboardInterrupt as error:  # the solver's own: Ctrl-C does not reach this process
-            seen = Observation(no_answer(Outcome.RAISED, exception_text(error)), own_frames(error))
+            seen = Observation(raised_answer(error), own_frames(error))
         with suppress(Exception):
             ctypes.CDLL(None).fflush(None)  # what C printed belongs to this question
         return [encode_reply(seen.reply), *seen[1:4]], False
