@@ -162,8 +162,10 @@ def _without_path(answer: Answer) -> Iterator[_Observed]:
         observed = f"it claims infeasible, that no path exists; {there}"
         yield Part.CLAIM, Status.FAIL, observed, advice
     else:
-        message = f": {answer.message}" if answer.message else ""
-        yield Part.LENGTH, Status.NOTE, f"it finds no path (claim {claim}{message}); {there}", ""
+        reply = f"claim {claim}"
+        if answer.message:
+            reply += f": {answer.message}"
+        yield Part.LENGTH, Status.NOTE, f"it finds no path ({reply}); {there}", ""
 
 
 def _advice(interview: Interview, answer: Answer, path: Path) -> str:
@@ -233,8 +235,10 @@ def _of_length(answer: Answer, guarantee: str) -> Iterator[_Observed]:
     if answer.verdict is Verdict.LONGER and answer.claim is not Claim.INFEASIBLE:
         assert answer.gap is not None
         assert answer.path is not None
-        how = f"its path, {answer.word or 'none'}, is {100 * answer.gap:.3g} % longer than the "
-        how += f"shortest, {answer.reference_word or 'none'}{_orders(answer)}"
+        how = (
+            f"its path, {answer.word or 'none'}, is {100 * answer.gap:.3g} % longer than the "
+            f"shortest, {answer.reference_word or 'none'}{_orders(answer)}"
+        )
         cause = length_cause(answer.scenario, answer.path)
         if answer.claim is Claim.OPTIMAL:
             advice = cause or "claim LOCAL unless the method proves that no path is shorter"
@@ -289,10 +293,12 @@ def united(*findings: Iterable[Finding]) -> list[Finding]:
     """
     groups: dict[tuple[object, ...], list[Finding]] = {}
     for one in chain(*findings):
-        reason = (one.advice or one.kind) if one.kind else one.observed
+        reason: object = one.observed
+        if one.kind:
+            reason = one.advice or one.kind
         where = one.traceback.splitlines()[-2:-1]
         groups.setdefault((one.kind, one.status, reason, *where), []).append(one)
-    return [replace(same[0], count=sum(one.count for one in same)) for same in groups.values()]
+    return [replace(group[0], count=sum(one.count for one in group)) for group in groups.values()]
 
 
 # A path fits a guess if it ends within 0.001 radii of the target, and is at most 0.1 % too tight.

@@ -41,8 +41,9 @@ def broken(error: LoadError, spec: str, command: str) -> Finding:
     file = spec.rpartition(":")[0] or "my_solver.py"
     advice = next(text for part, text in _BROKEN.items() if part in message).format(file=file)
     observed, _, place = message.partition("\n")  # of a syntax error
-    trace = place or error.frames
-    return Finding(Status.FAIL, observed, advice=advice, command=command, traceback=trace)
+    return Finding(
+        Status.FAIL, observed, advice=advice, command=command, traceback=place or error.frames
+    )
 
 
 def loading(interview: Interview) -> Checked:
@@ -79,25 +80,29 @@ def limits(interview: Interview) -> Checked:
     seen = interview.ask(question, again=True, limit=_SHORT_LIMIT_S)
     timed_out = seen.answer.outcome is Outcome.TIMEOUT
     seconds = seen.answer.wall_s or seen.seconds
-    # a run ends a solve sooner than the promise asks for
-    beyond = _BEYOND_S if promised else RUN_GRACE_S
+    beyond = RUN_GRACE_S  # a run ends a solve sooner than the promise asks for
+    if promised:
+        beyond = _BEYOND_S
     if not timed_out and seconds <= _SHORT_LIMIT_S + beyond:
         return [], f"{seconds:.3f} s with a limit of {_SHORT_LIMIT_S} s"
-    took = f"it does not return within {GRACE_S:g} s" if timed_out else f"it takes {seconds:.2f} s"
+    took = f"it takes {seconds:.2f} s"
+    if timed_out:
+        took = f"it does not return within {GRACE_S:g} s"
     advice = (
         "look at `limit`, the second argument of solve, and return the best path so far with "
         "Claim.LIMIT; a run ends the process at the limit and keeps no path"
     )
+    status = Status.NOTE
     if promised:
+        status = Status.FAIL
         advice += ". Until then, do not promise keeps_limit"
-    status = Status.FAIL if promised else Status.NOTE
-    observed = f"with a limit of {_SHORT_LIMIT_S} s {took}"
+    repeat = questions.command(interview.spec, question, _SHORT_LIMIT_S, interview.profile)
     finding = Finding(
         status,
-        observed,
+        f"with a limit of {_SHORT_LIMIT_S} s {took}",
         advice=advice,
         question=question.scenario.label,
-        command=questions.command(interview.spec, question, _SHORT_LIMIT_S, interview.profile),
+        command=repeat,
     )
     return [finding], ""
 
@@ -142,9 +147,11 @@ def determinism(interview: Interview) -> Checked:
         raise NotApplicableError("its answers took the whole time limit; raise --time-limit")
     if not findings and all(one.answer.path is None for one in first):
         raise NotApplicableError("it returned no path")
+    summary = f"{compared} pairs of answers the same"
     cut = 2 * len(repeated) - compared
-    left_out = f"; of {cut} more pairs one took the whole time limit" if cut else ""
-    return findings[:1], f"{compared} pairs of answers the same{left_out}"
+    if cut:
+        summary += f"; of {cut} more pairs one took the whole time limit"
+    return findings[:1], summary
 
 
 def _is_cut(seen: Seen) -> bool:
@@ -213,7 +220,9 @@ def state(interview: Interview) -> Checked:
     outputs = [one.observed.output for one in seen if not one.observed.loaded]
     if loud := list(filter(None, outputs)):
         advice = "switch the output of the library off, or leave print out"
-        status = Status.FAIL if interview.declared["keeps_limit"] else Status.NOTE
+        status = Status.NOTE
+        if interview.declared["keeps_limit"]:
+            status = Status.FAIL
         observed = f"it prints: {loud[0][-120:]}"
         findings.append(Finding(status, observed, advice=advice, count=len(loud)))
     return findings, f"{len(seen)} questions"

@@ -95,8 +95,10 @@ class Observer:
             changes.append("child processes")
         self._state.accept()
         self._children = _children()
-        text = own_frames(raised[-1]) if raised else ""
-        return Observation(reply, text, tuple(changes), loaded)
+        frames = ""
+        if raised:
+            frames = own_frames(raised[-1])
+        return Observation(reply, frames, tuple(changes), loaded)
 
     def restart(self) -> None:
         """There is only one process to ask in."""
@@ -151,7 +153,9 @@ def _wrong_declaration(solver: Solver) -> Iterator[tuple[str, str, str]]:
     kind = type(solver)
     unknown = [name for name in kind.branches if name not in EVERY_BRANCH]
     if unknown or not kind.branches:
-        observed = f"branches names {unknown[0]!r}" if unknown else "branches is empty"
+        observed = "branches is empty"
+        if unknown:
+            observed = f"branches names {unknown[0]!r}"
         yield "fail", observed, f"expected some of: {', '.join(EVERY_BRANCH)}"
     if not kind.takes & {FREE_FINAL_HEADING, FINAL_HEADING}:
         observed = f"takes is {sorted(kind.takes)}, and every scenario needs more"
@@ -159,12 +163,12 @@ def _wrong_declaration(solver: Solver) -> Iterator[tuple[str, str, str]]:
     if kind.guarantee not in set(Guarantee):
         yield "fail", f"guarantee is {kind.guarantee!r}", f"expected one of: {', '.join(Guarantee)}"
     if (reason := unavailable(solver)) is not None:
-        raised = reason.startswith(UNKNOWN)
-        status = "fail" if raised else "note"
-        advice = "unavailable() does not raise: it returns a text, or None" if raised else ""
-        yield status, f"it cannot run here: {reason}", advice
-    formulation, engine = stated_method(solver)[:2]
-    if (formulation, engine) == NOT_STATED[:2]:
+        observed = f"it cannot run here: {reason}"
+        if reason.startswith(UNKNOWN):
+            yield "fail", observed, "unavailable() does not raise: it returns a text, or None"
+        else:
+            yield "note", observed, ""
+    if stated_method(solver)[:2] == NOT_STATED[:2]:  # formulation and engine
         advice = 'add method = ("penalty", "my engine", "random"): formulation, engine, guess'
         yield "note", "it does not state its method", advice
 
@@ -205,8 +209,9 @@ def serve(channel: Channel, spec: str, profile: str, folder: str) -> None:
             loaded.append(Observer(spec, profile))
             return ["loaded", loaded[0].declared]
         except SolverError as error:
-            text = own_frames(error.__cause__) if error.__cause__ else ""
-            return ["broken", str(error), text] if text else ["refused", str(error)]
+            if error.__cause__ is None:
+                return ["refused", str(error)]
+            return ["broken", str(error), own_frames(error.__cause__)]
         except BaseException as error:  # a plug-in's property may raise anything
             return ["broken", exception_text(error), own_frames(error)]
 
