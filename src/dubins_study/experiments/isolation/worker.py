@@ -112,8 +112,10 @@ class _Worker:
         key = spec, profile
         if key not in self._refused:
             try:
-                loaded = _warmed_up(self._solvers[key], *warm_up) if warm_up else _load(*key)
-                self._solvers[key] = loaded
+                if warm_up:
+                    self._solvers[key] = _warmed_up(self._solvers[key], *warm_up)
+                else:
+                    self._solvers[key] = _load(*key)
             except BaseException as error:  # a plug-in may raise anything
                 self._refused[key] = _failure(error, *key)
         self._state.accept()
@@ -188,8 +190,9 @@ def _reply(loaded: _LoadedSolver, encoded: list[Any], time_limit: float) -> Repl
     before = peak_kib(reset=True)
     started = now()
     reply = ask(loaded.solver, question, time_limit)
-    peak = peak_kib() if before else 0
-    memory_mib = (peak - before) / _KIB_PER_MIB if peak else None
+    memory_mib = None
+    if before and (peak := peak_kib()):
+        memory_mib = (peak - before) / _KIB_PER_MIB
     return reply._replace(
         started=started,
         versions=loaded.versions,
