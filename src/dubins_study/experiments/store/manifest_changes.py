@@ -56,7 +56,9 @@ def count_cells(
     complete = True
     for spec, entry in manifest.solvers.items():
         present = rows.get((spec, entry.code_digest), 0)
-        cells = present if spec in requested else max(present, entry.cells)
+        cells = present
+        if spec not in requested:
+            cells = max(present, entry.cells)
         solvers[spec] = entry.with_changes(cells=cells)
         complete = complete and cells <= present
     total = sum(entry.cells for entry in solvers.values())

@@ -51,10 +51,12 @@ def merged_rows(
         lines = [_contradiction(pairs.loc[i], differ.loc[i]) for i in cells[:_MAX_LISTED]]
         if len(cells) > _MAX_LISTED:
             lines.append(f"and {len(cells) - _MAX_LISTED} more")
-        plural = "" if len(cells) == 1 else "s"
+        count = "1 cell"
+        if len(cells) > 1:
+            count = f"{len(cells)} cells"
+        listed = "\n  ".join(lines)
         raise ResultsError(
-            f"the folders contradict each other in {len(cells)} cell{plural}; nothing was "
-            "merged:\n  " + "\n  ".join(lines)
+            f"the folders contradict each other in {count}; nothing was merged:\n  {listed}"
         )
     copies = (pairs["run_id"] == pairs["run_id_kept"]) & (pairs["started"] == pairs["started_kept"])
     positions = np.sort(rows.index.to_numpy()[first_rows])
