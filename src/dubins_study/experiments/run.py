@@ -144,7 +144,11 @@ def _solve(
     cells_left = len(keys - done_keys)
     _LOG.info(
         "%s into %s: %d cells, %d of them to solve, with %s",
-        *(plan.experiment_file.name, folder, len(keys), cells_left, settings),
+        plan.experiment_file.name,
+        folder,
+        len(keys),
+        cells_left,
+        settings,
     )
     totals = Counter((solver, digest) for _, solver, *_, digest in keys | done_keys)
     manifest, completes = count_cells(manifest, set(plan.solver_specs), totals)
@@ -236,7 +240,9 @@ def new_manifest(
     It has the versions of some packages.
     """
     experiment = file.experiment
-    pairs = matrix() if experiment.matrix else []
+    pairs = []
+    if experiment.matrix:
+        pairs = matrix()
     return Manifest(
         experiment=Definition(
             name=file.name,
