@@ -286,8 +286,8 @@ def _parts(frame: pd.DataFrame) -> list[tuple[Kind, Any]]:
 
     A frame without rows counts as one of legs.
     """
-    places = [(kind, np.flatnonzero(rows_of(frame, kind))) for kind in KINDS]
-    return [(kind, those) for kind, those in places if len(those)] or places[:1]
+    parts = [(kind, np.flatnonzero(rows_of(frame, kind))) for kind in KINDS]
+    return [(kind, places) for kind, places in parts if len(places)] or parts[:1]
 
 
 def check_branches(frame: pd.DataFrame, branch: str) -> None:
@@ -347,13 +347,14 @@ def _framed(
     A column comes from `arrays`, or else has its one value from `of_all_rows`. In neither it is
     missing.
     """
-    every = {name: frame[name] for name in names(SCENARIO)} | arrays
+    all_columns = {name: frame[name] for name in names(SCENARIO)} | arrays
     # one array of nulls serves all columns of its type
     constant = cache(partial(_constant, n=len(frame)))
     for column in ANSWER:
-        if every.get(column.name) is None:
-            every[column.name] = constant(of_all_rows.get(column.name), column.type)
-    return pd.DataFrame({name: every[name] for name in COLUMNS}, index=frame.index, copy=False)
+        if all_columns.get(column.name) is None:
+            all_columns[column.name] = constant(of_all_rows.get(column.name), column.type)
+    in_order = {name: all_columns[name] for name in COLUMNS}
+    return pd.DataFrame(in_order, index=frame.index, copy=False)
 
 
 def _in_order(parts: list[tuple[Any, pd.DataFrame]], frame: pd.DataFrame) -> pd.DataFrame:

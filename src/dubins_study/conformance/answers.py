@@ -152,20 +152,20 @@ def _without_path(answer: Answer) -> Iterator[_Observed]:
         return
     kind = kind_of(answer.scenario, answer.branch)
     word = kind.words_of(best.path, best.at, answer.scenario.radius) or "of length 0"
-    there = f"there is one, {word}, of length {best.path.length:.6g}"
+    shortest = f"there is one, {word}, of length {best.path.length:.6g}"
     if claim is Claim.INFEASIBLE:
         advice = (
             "INFEASIBLE is for a method that proves it; a local search that converges off the "
             "target claims LOCALLY_INFEASIBLE, one that finds nothing FAILED. "
             "A path exists for every target"
         )
-        observed = f"it claims infeasible, that no path exists; {there}"
+        observed = f"it claims infeasible, that no path exists; {shortest}"
         yield Part.CLAIM, Status.FAIL, observed, advice
     else:
         reply = f"claim {claim}"
         if answer.message:
             reply += f": {answer.message}"
-        yield Part.LENGTH, Status.NOTE, f"it finds no path ({reply}); {there}", ""
+        yield Part.LENGTH, Status.NOTE, f"it finds no path ({reply}); {shortest}", ""
 
 
 def _advice(interview: Interview, answer: Answer, path: Path) -> str:
@@ -235,20 +235,20 @@ def _of_length(answer: Answer, guarantee: str) -> Iterator[_Observed]:
     if answer.verdict is Verdict.LONGER and answer.claim is not Claim.INFEASIBLE:
         assert answer.gap is not None
         assert answer.path is not None
-        how = (
+        longer = (
             f"its path, {answer.word or 'none'}, is {100 * answer.gap:.3g} % longer than the "
             f"shortest, {answer.reference_word or 'none'}{_orders(answer)}"
         )
         cause = length_cause(answer.scenario, answer.path)
         if answer.claim is Claim.OPTIMAL:
             advice = cause or "claim LOCAL unless the method proves that no path is shorter"
-            yield Part.CLAIM, Status.FAIL, f"it claims optimal, but {how}", advice
+            yield Part.CLAIM, Status.FAIL, f"it claims optimal, but {longer}", advice
         elif guarantee in (Guarantee.EXACT, Guarantee.GLOBAL) and answer.claim in _SUCCESS:
             advice = "declare another guarantee, or claim LIMIT where the time did not suffice"
-            observed = f"it declares the guarantee {guarantee!r}, but {how}"
+            observed = f"it declares the guarantee {guarantee!r}, but {longer}"
             yield Part.CLAIM, Status.FAIL, observed, cause or advice
         else:
-            yield Part.LENGTH, Status.NOTE, how, cause
+            yield Part.LENGTH, Status.NOTE, longer, cause
     if claimed is None or length is None or answer.verdict is Verdict.MISSES:
         return
     if abs(claimed - length) > _CLAIMED * max(length, answer.scenario.radius):
@@ -296,9 +296,13 @@ def united(*findings: Iterable[Finding]) -> list[Finding]:
         reason: object = one.observed
         if one.kind:
             reason = one.advice or one.kind
-        where = one.traceback.splitlines()[-2:-1]
-        groups.setdefault((one.kind, one.status, reason, *where), []).append(one)
-    return [replace(group[0], count=sum(one.count for one in group)) for group in groups.values()]
+        last_frame = one.traceback.splitlines()[-2:-1]
+        groups.setdefault((one.kind, one.status, reason, *last_frame), []).append(one)
+    counted = []
+    for group in groups.values():
+        count = sum(one.count for one in group)
+        counted.append(replace(group[0], count=count))
+    return counted
 
 
 # A path fits a guess if it ends within 0.001 radii of the target, and is at most 0.1 % too tight.

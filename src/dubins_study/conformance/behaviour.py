@@ -39,10 +39,14 @@ def broken(error: LoadError, spec: str, command: str) -> Finding:
     """The finding about a solver that does not load."""
     message = str(error)
     file = spec.rpartition(":")[0] or "my_solver.py"
-    advice = next(text for part, text in _BROKEN.items() if part in message).format(file=file)
+    advice = next(text for part, text in _BROKEN.items() if part in message)
     observed, _, place = message.partition("\n")  # of a syntax error
     return Finding(
-        Status.FAIL, observed, advice=advice, command=command, traceback=place or error.frames
+        Status.FAIL,
+        observed,
+        advice=advice.format(file=file),
+        command=command,
+        traceback=place or error.frames,
     )
 
 
@@ -96,13 +100,12 @@ def limits(interview: Interview) -> Checked:
     if promised:
         status = Status.FAIL
         advice += ". Until then, do not promise keeps_limit"
-    repeat = questions.command(interview.spec, question, _SHORT_LIMIT_S, interview.profile)
     finding = Finding(
         status,
         f"with a limit of {_SHORT_LIMIT_S} s {took}",
         advice=advice,
         question=question.scenario.label,
-        command=repeat,
+        command=questions.command(interview.spec, question, _SHORT_LIMIT_S, interview.profile),
     )
     return [finding], ""
 
@@ -217,12 +220,14 @@ def state(interview: Interview) -> Checked:
         observed = f"it leaves files in the working directory: {', '.join(files[:3])}"
         advice = "write into a tempfile.TemporaryDirectory()"
         findings.append(Finding(Status.FAIL, observed, advice=advice, count=len(files)))
-    outputs = [one.observed.output for one in seen if not one.observed.loaded]
-    if loud := list(filter(None, outputs)):
+    outputs = [
+        one.observed.output for one in seen if one.observed.output and not one.observed.loaded
+    ]
+    if outputs:
         advice = "switch the output of the library off, or leave print out"
         status = Status.NOTE
         if interview.declared["keeps_limit"]:
             status = Status.FAIL
-        observed = f"it prints: {loud[0][-120:]}"
-        findings.append(Finding(status, observed, advice=advice, count=len(loud)))
+        observed = f"it prints: {outputs[0][-120:]}"
+        findings.append(Finding(status, observed, advice=advice, count=len(outputs)))
     return findings, f"{len(seen)} questions"

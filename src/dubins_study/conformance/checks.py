@@ -121,12 +121,11 @@ def _warm(interview: Interview) -> Checked:
     if not interview.taken(questions.GENERAL):
         raise NotApplicableError(_takes_only(interview))
     scenario = questions.REFERENCE
-    start = scenario.start
     radius = scenario.radius
     guesses = {
         "the shortest path of a near target": shortest_path(questions.NEAR),
-        "a path to elsewhere": Path(start, [1 / radius, 0.0, -1 / radius], [radius] * 3),
-        "a path of no arcs": Path(start, [], []),
+        "a path to elsewhere": Path(scenario.start, [1 / radius, 0.0, -1 / radius], [radius] * 3),
+        "a path of no arcs": Path(scenario.start, [], []),
     }
     guessed = (
         Question(replace(scenario, label=f"initial guess: {name}"), initial_guess=guess)
@@ -298,7 +297,7 @@ def _names(checks: Iterable[str]) -> list[str]:
 
 
 def _spec_of(kind: Any) -> str:
-    """The spec that a caller gives, or the spec of a class.
+    """A spec as it is, or that of a class.
 
     The spec of a class is its registered name, or its file and name.
     """

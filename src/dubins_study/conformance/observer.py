@@ -40,8 +40,13 @@ MEMORY_BYTES = 4 * 2**30
 TEMPORARY = "temporary"  # folder for temporary files, in the folder of the worker
 # state that no import changes: what has changed while modules were imported is the solver's doing
 _NO_IMPORTS = {
-    *("working directory", "numpy's error handling", "timers"),
-    *("standard streams", "recursion limit", "garbage collector", "clock"),
+    "working directory",
+    "numpy's error handling",
+    "timers",
+    "standard streams",
+    "recursion limit",
+    "garbage collector",
+    "clock",
 }
 # Files of this package whose functions call a solver's code.
 _PACKAGE = FilePath(__file__).parents[1]
