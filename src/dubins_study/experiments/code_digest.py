@@ -95,9 +95,10 @@ def _with_named_rooms(sources: Sources) -> Sources:
     unread = list(sources.values())
     while unread:
         for room in set(_ROOM_NAME.findall(unread.pop())):
-            added = {k: v for k, v in _room(room.decode()).items() if k not in complete}
-            complete |= added
-            unread += added.values()
+            for file, source in _room(room.decode()).items():
+                if file not in complete:
+                    complete[file] = source
+                    unread.append(source)
     return complete
 
 

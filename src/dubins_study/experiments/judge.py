@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import hashlib
 import shlex
-from collections import Counter
 from itertools import chain
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Annotated, Any
@@ -33,7 +32,7 @@ from dubins_study.experiments.plan.run_plan import RunSettings
 from dubins_study.experiments.plan.scenarios import scenario_id
 from dubins_study.experiments.run import new_manifest
 from dubins_study.experiments.store.folder import compact, done, locked, open_folder, prepare_folder
-from dubins_study.experiments.store.manifest_changes import RunRecord, count_cells
+from dubins_study.experiments.store.manifest_changes import RunRecord, count_by_code, count_cells
 from dubins_study.experiments.store.part_writer import PartWriter, Progress
 from dubins_study.solvers.protocol import MAX_ARCS, Method, Solution
 from dubins_study.solvers.registry import registered
@@ -179,7 +178,7 @@ def _store(folder: FilePath, new: Manifest, settings: RunSettings, rows: list[Ro
         manifest, _ = open_folder(folder, new, restart=False)
         keys = {row_key(row) for row in rows}
         done_keys = done(folder)
-        totals = Counter((method, digest) for _, method, *_, digest in keys | done_keys)
+        totals = count_by_code(keys | done_keys)
         manifest, completes = count_cells(manifest, set(new.solvers), totals)
         if keys <= done_keys and manifest.finished:
             return
@@ -240,7 +239,7 @@ def read_answers(file: FilePath, by_id: dict[str, Asked]) -> dict[tuple[str, str
 
 
 def _table(file: FilePath) -> Table:
-    """The rows of a CSV file, or the objects of a JSON file."""
+    """The rows of a CSV or JSON file."""
     if file.suffix != ".json":
         return read_table(file)
     with os_errors_as(f"{file} cannot be read"):
@@ -250,9 +249,9 @@ def _table(file: FilePath) -> Table:
     except ValidationError as error:
         sentences = "; ".join(each.sentence for each in problems_of(error, {}))
         raise AnswersError(f"{file}: {sentences}; expected a list of objects") from None
-    names = list(dict.fromkeys(chain.from_iterable(content)))
+    names = list(dict.fromkeys((*_REQUIRED, *chain.from_iterable(content))))
     rows = [TableRow(f"answer {n}", each) for n, each in enumerate(content, start=1)]
-    return Table([*_REQUIRED, *(name for name in names if name not in _REQUIRED)], rows, [])
+    return Table(names, rows, [])
 
 
 def _path(answer: Given, by_id: dict[str, Asked]) -> Path | None:

@@ -28,7 +28,7 @@ from dubins_study.study.values import number_of_text
 
 
 def _number(written: Any) -> Any:
-    """The angle (rad) that a text says, or any other value."""
+    """The value, with a text read as an angle."""
     if isinstance(written, str):
         return parse_angle(written)
     return written
@@ -140,7 +140,7 @@ class Range(_Law):
 
 
 def as_list(written: Any) -> list[Any]:
-    """A list as it is, or a list of one value."""
+    """The list, or a list of one value."""
     if isinstance(written, list):
         return written
     return [written]

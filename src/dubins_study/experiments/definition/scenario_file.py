@@ -127,4 +127,5 @@ def text_about(scenarios: str) -> tuple[str, str, str]:
         "title": f"Scenarios of {name}",
         "question": "How well do the chosen solvers answer these scenarios?",
     }
-    return name, scenarios, "".join(f"{key} = {json.dumps(text)}\n" for key, text in keys.items())
+    text = "".join(f"{key} = {json.dumps(value)}\n" for key, value in keys.items())
+    return name, scenarios, text

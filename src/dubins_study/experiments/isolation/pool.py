@@ -340,7 +340,8 @@ class WorkerPool:
 
         The reply to the job that it was solving is returned, if there is one.
         """
-        reply, task = ended
+        reply = ended.reply
+        task = ended.task
         self._remove(worker)
         if task is None or task.tag is None:
             self._false_starts += 1

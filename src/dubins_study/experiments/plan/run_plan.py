@@ -317,5 +317,5 @@ def _mistakes(error: ValidationError, path: str, text: str, changes: Mapping[str
     Those of the file are named only if the request has none.
     """
     problems = problems_of(error, TABLE_KEYS)
-    requested = [each.sentence for each in problems if {*each.path[:1]} & changes.keys()]
+    requested = [each.sentence for each in problems if each.path and each.path[0] in changes]
     return "; ".join(requested) or refusal(path, problems, text)

@@ -165,8 +165,9 @@ def _mend(folder: FilePath) -> list[str]:
             check_part(part)
         except DamagedPartError:
             damaged.append(part)
-    for file in (*folder.glob(f".*{TEMPORARY}"), *(folder / PARTS).glob(f".*{TEMPORARY}")):
-        file.unlink()
+    for parent in (folder, folder / PARTS):
+        for file in [*parent.glob(f".*{TEMPORARY}")]:
+            file.unlink()
     for part in damaged:
         with os_errors_as(f"cannot move {part} to {place}"):
             place.mkdir(exist_ok=True)

@@ -40,7 +40,8 @@ def merged_rows(
     """
     table = pa.concat_tables(tables)
     rows = table.select(COLUMNS).to_pandas()
-    rows["folder"] = np.repeat([str(folder) for folder in folders], [len(each) for each in tables])
+    sizes = [len(each) for each in tables]
+    rows["folder"] = np.repeat([str(folder) for folder in folders], sizes)
     rows = rows.sort_values("started", kind="stable")
     first_rows, pairs = compare_attempts(rows, names(KEY))
     if pairs.empty:
