@@ -350,7 +350,7 @@ def _with_trace(
 
 
 _REPORTED = names(columns(Reported))
-_REPORTED_NUMBERS = [each.name for each in columns(Reported) if each.type == "float64"]
+_REPORTED_NUMBERS = [column.name for column in columns(Reported) if column.type == "float64"]
 
 
 def _spent(solution: Solution) -> dict[str, Any]:

@@ -292,15 +292,15 @@ def united(*findings: Iterable[Finding]) -> list[Finding]:
     Of those with the same reason, the first is taken, with their count.
     """
     groups: dict[tuple[object, ...], list[Finding]] = {}
-    for one in chain(*findings):
-        reason: object = one.observed
-        if one.kind:
-            reason = one.advice or one.kind
-        last_frame = one.traceback.splitlines()[-2:-1]
-        groups.setdefault((one.kind, one.status, reason, *last_frame), []).append(one)
+    for finding in chain(*findings):
+        reason: object = finding.observed
+        if finding.kind:
+            reason = finding.advice or finding.kind
+        last_frame = finding.traceback.splitlines()[-2:-1]
+        groups.setdefault((finding.kind, finding.status, reason, *last_frame), []).append(finding)
     counted = []
     for group in groups.values():
-        count = sum(one.count for one in group)
+        count = sum(finding.count for finding in group)
         counted.append(replace(group[0], count=count))
     return counted
 
@@ -324,7 +324,7 @@ def mix_ups(s: Scenario, path: Path) -> Iterator[tuple[str, Scenario, FloatArray
     lengths = path.lengths
     yield "left and right are swapped: curvature is positive to the left", s, -k, lengths
     advice = "is your radius a curvature? A path's curvature is 1 / radius at most, not the radius"
-    inverses = [1 / each if each else 0.0 for each in k]
+    inverses = [1 / curvature if curvature else 0.0 for curvature in k]
     yield advice, s, np.array(inverses), lengths
     advice = (
         "is your path that of radius 1? Divide its curvatures by the radius and multiply its "

@@ -62,7 +62,7 @@ def _question(interview: Interview, place: int) -> Question:
     """A simple question that the solver takes."""
     for kind in EVERY_KIND:
         scenarios = [*interview.taken(questions.OF_KIND[kind.name]).values()]
-        branches = [each for each in kind.branches if interview.answers(each)]
+        branches = [branch for branch in kind.branches if interview.answers(branch)]
         if scenarios and branches:
             return Question(scenarios[place % len(scenarios)], branches[0])
     raise NotApplicableError("the solver takes none of the kit's questions")
@@ -134,21 +134,21 @@ def determinism(interview: Interview) -> Checked:
     )
     compared = 0
     findings = []
-    for seen, when in ((second, "after other questions"), (third, "in a new process")):
-        for one, again in zip(first, seen, strict=True):
-            if _is_cut(one) or _is_cut(again):
+    for answers, when in ((second, "after other questions"), (third, "in a new process")):
+        for earlier, later in zip(first, answers, strict=True):
+            if _is_cut(earlier) or _is_cut(later):
                 continue
             compared += 1
-            if not _is_same(one.answer, again.answer):
+            if not _is_same(earlier.answer, later.answer):
                 observed = (
                     f"asked again {when}, its answer differs by more than rounding: "
-                    f"{_summary(again.answer)}; the first time {_summary(one.answer)}"
+                    f"{_summary(later.answer)}; the first time {_summary(earlier.answer)}"
                 )
-                label = one.question.scenario.label
+                label = earlier.question.scenario.label
                 findings.append(Finding(Status.FAIL, observed, advice=advice, question=label))
     if not compared:
         raise NotApplicableError("its answers took the whole time limit; raise --time-limit")
-    if not findings and all(one.answer.path is None for one in first):
+    if not findings and all(seen.answer.path is None for seen in first):
         raise NotApplicableError("it returned no path")
     summary = f"{compared} pairs of answers the same"
     cut = 2 * len(repeated) - compared
@@ -203,9 +203,9 @@ def state(interview: Interview) -> Checked:
     """
     for number in range(len(questions.GENERAL)):
         interview.ask(_question(interview, number))
-    seen = interview.seen
+    answers = interview.seen
     findings = []
-    changes = Counter(chain.from_iterable(one.observed.changes for one in seen))
+    changes = Counter(chain.from_iterable(seen.observed.changes for seen in answers))
     for change, count in changes.items():
         advice = (
             f"{_ADVICE.get(change, 'restore it before you return')}; a run then replaces the "
@@ -214,14 +214,16 @@ def state(interview: Interview) -> Checked:
         observed = f"after a solve this is not as it was before: {change}"
         findings.append(Finding(Status.FAIL, observed, advice=advice, count=count))
     # after any other outcome a solver could not have removed its files
-    ended = [one for one in seen if one.answer.outcome in (Outcome.RETURNED, Outcome.RAISED)]
-    files = sorted(set(chain.from_iterable(one.files for one in ended)))
+    ended = [seen for seen in answers if seen.answer.outcome in (Outcome.RETURNED, Outcome.RAISED)]
+    files = sorted(set(chain.from_iterable(seen.files for seen in ended)))
     if files:
         observed = f"it leaves files in the working directory: {', '.join(files[:3])}"
         advice = "write into a tempfile.TemporaryDirectory()"
         findings.append(Finding(Status.FAIL, observed, advice=advice, count=len(files)))
     outputs = [
-        one.observed.output for one in seen if one.observed.output and not one.observed.loaded
+        seen.observed.output
+        for seen in answers
+        if seen.observed.output and not seen.observed.loaded
     ]
     if outputs:
         advice = "switch the output of the library off, or leave print out"
@@ -230,4 +232,4 @@ def state(interview: Interview) -> Checked:
             status = Status.FAIL
         observed = f"it prints: {outputs[0][-120:]}"
         findings.append(Finding(status, observed, advice=advice, count=len(outputs)))
-    return findings, f"{len(seen)} questions"
+    return findings, f"{len(answers)} questions"

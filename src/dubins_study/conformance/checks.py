@@ -75,7 +75,7 @@ def _best_paths(
             raise NotApplicableError(_takes_only(interview))
         answers = [interview.ask(Question(scenario, branch)) for scenario in suitable.values()]
         findings = _wrong(interview, answers, parts)
-        without_path = all(one.answer.path is None for one in answers)
+        without_path = all(seen.answer.path is None for seen in answers)
         if Part.CONTROLS in parts and not findings and without_path:
             raise NotApplicableError("it returned no path")
         return findings, f"{len(suitable)} questions"
@@ -268,10 +268,13 @@ def _results(interview: Interview, names: list[str]) -> Iterator[CheckResult]:
         ]
         silent = _wrong(interview, new, (Part.OUTCOME,))
         repeat = questions.check_command(interview.spec, name, interview.limit, interview.profile)
-        listed = [replace(one, command=one.command or repeat) for one in united(findings, silent)]
-        listed.sort(key=lambda one: one.status is not Status.FAIL)
+        listed = [
+            replace(finding, command=finding.command or repeat)
+            for finding in united(findings, silent)
+        ]
+        listed.sort(key=lambda finding: finding.status is not Status.FAIL)
         yield CheckResult(name, title, tuple(listed), summary, applied)
-        outcomes = {one.answer.outcome for one in interview.seen}
+        outcomes = {seen.answer.outcome for seen in interview.seen}
         if interview.declared["unavailable"] is not None:
             stopped = f"it cannot run here: {interview.declared['unavailable']}"
         elif outcomes and Outcome.RETURNED not in outcomes:

@@ -173,7 +173,7 @@ class Interview:
         They have the form of `ConformanceReport.answers`.
         """
         answers = [seen.answer for seen in self.seen]
-        verdicts = [one.verdict for one in answers if one.outcome is Outcome.RETURNED]
+        verdicts = [answer.verdict for answer in answers if answer.outcome is Outcome.RETURNED]
         counts = {str(verdict): verdicts.count(verdict) for verdict in Verdict}
         return counts | {UNANSWERED: len(answers) - len(verdicts)}
 
@@ -183,7 +183,7 @@ class Interview:
         These paths are longer than the shortest.
         """
         answers = [seen.answer for seen in self.seen if seen.answer.path is not None]
-        gaps = [one.gap or 0.0 for one in answers if one.verdict is Verdict.LONGER]
+        gaps = [answer.gap or 0.0 for answer in answers if answer.verdict is Verdict.LONGER]
         return max(gaps, default=None)
 
     def claimed(self) -> int:
@@ -204,7 +204,11 @@ class Interview:
         They need no more than it declares.
         """
         takes = set(self.declared["takes"])
-        return {name: each for name, each in scenarios.items() if takes.issuperset(each.needs)}
+        return {
+            name: scenario
+            for name, scenario in scenarios.items()
+            if takes.issuperset(scenario.needs)
+        }
 
     def ask(self, question: Question, *, again: bool = False, limit: float | None = None) -> Seen:
         """The judged answer to a question.

@@ -154,13 +154,13 @@ class ConformanceReport:
         """The report as values that JSON can hold."""
         checks = [
             {
-                "name": one.name,
-                "title": one.title,
-                "status": one.status,
-                "summary": one.summary,
-                "findings": [asdict(finding) for finding in one.findings],
+                "name": result.name,
+                "title": result.title,
+                "status": result.status,
+                "summary": result.summary,
+                "findings": [asdict(finding) for finding in result.findings],
             }
-            for one in self.results
+            for result in self.results
         ]
         return {
             "solver": self.solver,
@@ -201,7 +201,7 @@ def report_text(report: ConformanceReport, width: int | None = None) -> str:
         result, *others = group
         mark, _ = _STATUS_TEXTS[status]
         if others:
-            names = ", ".join(one.name for one in (result, *others))
+            names = ", ".join(check.name for check in (result, *others))
             line = f"{mark}  {names}: {plain(result.summary)}"
         else:
             line = f"{mark}  {result.name:<12} {result.title}"

@@ -67,16 +67,16 @@ def export_suite(
     rows: list[dict[str, Any]] = []
     with os_errors_as(f"cannot write to {folder}"):
         folder.mkdir(parents=True, exist_ok=True)
-        for done, (id_, each) in enumerate(suite_questions.items(), start=1):
+        for done, (id_, question) in enumerate(suite_questions.items(), start=1):
             names = []
             try:
-                for end, text in texts(Question(each.scenario, each.branch)).items():
+                for end, text in texts(Question(question.scenario, question.branch)).items():
                     names.append(f"{id_}{end}")
                     (folder / names[-1]).write_text(text, encoding="utf-8")
             except ExportError as error:
                 exported.left_out[id_] = str(error)
             exported = exported._replace(files=exported.files + len(names))
-            row = _instance(id_, each, allowed) | {"files": " ".join(names)}
+            row = _instance(id_, question, allowed) | {"files": " ".join(names)}
             if row["open"] == "true":
                 exported.open.append(id_)
             rows.append(row)

@@ -265,9 +265,9 @@ class WorkerPool:
         if len(self._workers) < self._most_workers:
             return self._start(group)
         candidates = [
-            each
-            for each in self._workers
-            if each.group == group and len(each.pending) < _AHEAD_JOBS
+            worker
+            for worker in self._workers
+            if worker.group == group and len(worker.pending) < _AHEAD_JOBS
         ]
         first = min(candidates, key=self._expected_left_s, default=None)
         if first is None or self._expected_left_s(first) >= AHEAD_S:
