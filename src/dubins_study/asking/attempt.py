@@ -91,24 +91,24 @@ class Answer(Spent, Times, Certificate, Judgement, Reported):
     outcome: Outcome
 
     def __repr__(self) -> str:
-        scenario = self.scenario
-        pose = f"{scenario.x:g}, {scenario.y:g}, {_heading_text(scenario.heading)}"
-        target = "any of them" if scenario.target is None else _target_text(scenario)
-        in_any_order = " in any order" if scenario.order is Order.FREE else ""
-        via = f" via {len(scenario.via)} points{in_any_order}" if scenario.via else ""
-        word = None if self.word is None else short_word(self.word, 16)
-        region = [] if self.margin is None else [f"region {self.region}, margin {self.margin:g}"]
-        lines = (
+        word = self.word
+        if word is not None:
+            word = short_word(word, 16)
+        lines = [
             f"length {self.length}, travel time {self.travel_time}, word {word}",
             f"verdict {self.verdict}, proof {self.proof}, claim {self.claim}",
-            f"from ({pose}){via} to {target}, radius {scenario.radius:g}, speed {scenario.speed:g}",
+            _scenario_text(self.scenario),
             f"gap {self.gap}, miss {self.miss}",
-            *region,
+        ]
+        if self.margin is not None:
+            lines.append(f"region {self.region}, margin {self.margin:g}")
+        lines += [
             f"build {self.build_s} s, solve {self.solve_s} s",
             f"message {plain(self.message)}",
             f"solver {self.solver}, branch {self.branch}, outcome {self.outcome}",
-        )
-        return "\n".join(("Answer(", *(f"  {line:.{_REPR_CHARS}}" for line in lines))) + ")"
+        ]
+        text = "\n".join(f"  {line:.{_REPR_CHARS}}" for line in lines)
+        return f"Answer(\n{text})"
 
     def __dir__(self) -> tuple[str, ...]:
         """The names that a planner needs.
@@ -128,7 +128,9 @@ class Answer(Spent, Times, Certificate, Judgement, Reported):
 
         The first via point has number 0. None if the answer has no order.
         """
-        return None if self.visit_order is None else [int(place) for place in self.visit_order]
+        if self.visit_order is None:
+            return None
+        return [int(place) for place in self.visit_order]
 
     def _repr_svg_(self) -> str | None:
         """The path's drawing for notebooks, as SVG text.
@@ -174,14 +176,21 @@ class Answer(Spent, Times, Certificate, Judgement, Reported):
         return scenario | {name: getattr(self, name) for name in _ANSWER}
 
 
-def _heading_text(heading: float | None) -> str:
-    return "free" if heading is None else f"{heading:g}"
-
-
-def _target_text(scenario: Scenario) -> str:
-    last = scenario.stops[-1]
-    heading = "" if last.heading is None else f", {last.heading:g}"
-    return f"({last.x:g}, {last.y:g}{heading})"
+def _scenario_text(scenario: Scenario) -> str:
+    heading = "free"
+    if scenario.heading is not None:
+        heading = f"{scenario.heading:g}"
+    start = f"from ({scenario.x:g}, {scenario.y:g}, {heading})"
+    via = ""
+    if scenario.via:
+        via = f" via {len(scenario.via)} points"
+        if scenario.order is Order.FREE:
+            via += " in any order"
+    target = "any of them"
+    if scenario.target is not None:
+        numbers = [f"{number:g}" for number in scenario.stops[-1] if number is not None]
+        target = f"({', '.join(numbers)})"
+    return f"{start}{via} to {target}, radius {scenario.radius:g}, speed {scenario.speed:g}"
 
 
 class QuestionError(DubinsStudyError, ValueError):
@@ -205,15 +214,17 @@ def check_request(branch: str, limit: float, limit_name: str = "limit") -> None:
     A time limit is a finite number of seconds above 0.
     """
     if not isinstance(branch, str) or branch not in EVERY_BRANCH:
-        choice = f"{did_you_mean(branch, PATH_BRANCHES)}choose one of: {', '.join(PATH_BRANCHES)}"
-        raise QuestionError(f"no branch named {short(branch)}; {choice}")
+        near = did_you_mean(branch, PATH_BRANCHES)
+        choice = ", ".join(PATH_BRANCHES)
+        raise QuestionError(f"no branch named {short(branch)}; {near}choose one of: {choice}")
     try:
         seconds = real_number(limit)
     except Exception:  # `float` of a value of any type may raise anything
         seconds = math.nan
     if not (math.isfinite(seconds) and seconds > 0):
-        expected = "expected a finite number of seconds above 0"
-        raise QuestionError(f"{limit_name} is {short(limit)}; {expected}")
+        raise QuestionError(
+            f"{limit_name} is {short(limit)}; expected a finite number of seconds above 0"
+        )
 
 
 def attempt(
@@ -310,8 +321,9 @@ def controls(path: Path | None) -> tuple[list[float], list[float]] | tuple[None,
         return None, None
     curvatures = path.curvatures.tolist()
     lengths = path.lengths.tolist()
-    finite = all(map(math.isfinite, curvatures)) and all(map(math.isfinite, lengths))
-    return (curvatures, lengths) if finite else (None, None)
+    if not all(map(math.isfinite, curvatures + lengths)):
+        return None, None
+    return curvatures, lengths
 
 
 _SCENARIO = names(SCENARIO)
@@ -338,7 +350,7 @@ def _with_trace(
 
 
 _REPORTED = names(columns(Reported))
-_REPORTED_NUMBERS = [each.name for each in columns(Reported) if each.type == "float64"]
+_REPORTED_NUMBERS = [column.name for column in columns(Reported) if column.type == "float64"]
 
 
 def _spent(solution: Solution) -> dict[str, Any]:
@@ -346,13 +358,12 @@ def _spent(solution: Solution) -> dict[str, Any]:
 
     A value that the solver does not report is null.
     """
-    efforts = solution.efforts
     best_run = solution.best_run
     values: dict[str, Any] = dict.fromkeys(_SPENT)
     if solution.multipliers is not None:
         values["multiplier_x"], values["multiplier_y"] = map(_finite, solution.multipliers)
-    if efforts:
-        subproblems, runs, evaluations, seconds = zip(*efforts, strict=True)
+    if solution.efforts:
+        subproblems, runs, evaluations, seconds = zip(*solution.efforts, strict=True)
         values["subproblems"] = " ".join(subproblems)
         values["subproblem_runs"] = [float(number) for number in runs]
         values["subproblem_evaluations"] = [
@@ -369,4 +380,6 @@ _SPENT = names(columns(Spent))
 
 
 def _finite(value: float | None) -> float | None:
-    return None if value is None or not math.isfinite(value) else float(value)
+    if value is None or not math.isfinite(value):
+        return None
+    return float(value)

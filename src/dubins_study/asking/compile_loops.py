@@ -17,8 +17,9 @@ def compile_loops() -> None:
 
     One leg of each kind is solved and judged by a frame. Then a route and a tour are searched for.
     """
-    frame = pd.DataFrame({"x": [0.0], "y": 0.0, "heading": 0.0, "target_x": 3.0})
-    frame = frame.assign(target_y=1.0, radius=1.0)
+    frame = pd.DataFrame(
+        {"x": [0.0], "y": 0.0, "heading": 0.0, "target_x": 3.0, "target_y": 1.0, "radius": 1.0}
+    )
     for branch in ("best", "LS"):
         solve_frame(frame, branch=branch)
     for branch in ("best", "LSL"):

@@ -68,11 +68,15 @@ def solve_frame(
     backend = load(solver, profile)
     frame, others = checked(scenarios)
     check_branches(frame, branch)
-    answers = backend.presolve is not True and unavailable(backend) is None
-    whole = backend.solve_frame if answers and branch in backend.branches else None
+    whole = backend.solve_frame
+    presolves = backend.presolve is True
+    if presolves or unavailable(backend) is not None or branch not in backend.branches:
+        whole = None
     parts: list[tuple[Any, pd.DataFrame]] = []
     for kind, places in _parts(frame):
-        part = frame.iloc[places] if len(places) < len(frame) else frame
+        part = frame
+        if len(places) < len(frame):
+            part = frame.iloc[places]
         if whole is not None and kind.need_of_rows in backend.takes:
             rows = _all_at_once(part, whole, stated_method(backend), branch, allowed, certified)
         else:
@@ -104,8 +108,12 @@ def _all_at_once(
         arrays |= _certificates(frame, solution, judgement, branch, allowed)
     row_s = seconds / max(1, len(frame))
     of_all_rows = vars(Times(build_s=0.0, solve_s=row_s, wall_s=row_s)) | method.columns()
-    of_all_rows |= {"outcome": outcome, "native_status": solution.native_status}
-    of_all_rows |= {"claim": solution.claim, "message": solution.message}
+    of_all_rows |= {
+        "outcome": outcome,
+        "native_status": solution.native_status,
+        "claim": solution.claim,
+        "message": solution.message,
+    }
     return _framed(frame, arrays, of_all_rows)
 
 
@@ -165,7 +173,9 @@ def _certificates(
     bounds = solution.lower_bound
     rows = []
     for number, scenario in enumerate(scenarios_of(frame)):
-        lower_bound = None if bounds is None else float(bounds[number])
+        lower_bound = None
+        if bounds is not None:
+            lower_bound = float(bounds[number])
         certificate = certify(
             scenario,
             solution.paths.path(number, scenario),
@@ -184,13 +194,18 @@ def _texts(codes: Any, texts: Iterable[str]) -> Any:
     The code 255 stands for a missing text.
     """
     signed = np.asarray(codes, np.uint8).view(np.int8)  # 255 becomes -1, missing to pandas
-    categories = pd.Index([_storable(str(text)) for text in texts])
+    categories = pd.Index([_storable(text) for text in texts])
     return pd.Categorical.from_codes(signed, categories, validate=False)
 
 
-def _storable(text: str) -> str:
-    """The text without surrogates, which no column holds."""
-    return str.encode(text, "utf-8", "replace").decode()
+def _storable(value: Any) -> Any:
+    """The value's text without surrogates, which no column holds.
+
+    None stays a missing value.
+    """
+    if value is None:
+        return None
+    return str.encode(str(value), "utf-8", "replace").decode()
 
 
 def _constant(value: Any, kind: str, n: int) -> Any:
@@ -201,11 +216,12 @@ def _constant(value: Any, kind: str, n: int) -> Any:
     missing = value is None
     match kind:
         case "string":
-            code = 255 if missing else 0
+            code = 0
+            if missing:
+                code = 255
             return _texts(np.full(n, code, np.uint8), [value or ""])
         case "float64":
-            number = np.nan if missing else value
-            return np.full(n, number)
+            return np.full(n, value, np.float64)  # None is NaN
         case "int64":
             return pd.arrays.IntegerArray(np.full(n, value or 0), np.full(n, missing))
         case "bool":
@@ -225,7 +241,9 @@ def _controls(paths: Paths) -> tuple[Any, Any]:
     offsets = np.empty(n + 1, np.int64)
     flat = np.empty((2, paths.lengths.size + 1))
     flatten(loop_input(paths.curvatures), loop_input(paths.lengths), offsets, *flat)
-    missing: Any = None if paths.returned is None else pa.array(~paths.returned)
+    missing: Any = None
+    if paths.returned is not None:
+        missing = pa.array(~paths.returned)
     bounds: Any = pa.array(offsets)
     curvatures, lengths = (
         pa.LargeListArray.from_arrays(bounds, pa.array(values[: offsets[-1]]), mask=missing)
@@ -243,25 +261,24 @@ def checked(scenarios: pd.DataFrame) -> tuple[pd.DataFrame, pd.DataFrame]:
     if not isinstance(scenarios, pd.DataFrame):
         return check_frame(scenarios), pd.DataFrame()
     of_scenarios = {*names(SCENARIO), "via"}
+    of_answers = {*names(ANSWER)}
     # a misspelt column must not be replaced by its default
     missing = [name for name in DEFAULTS if name not in scenarios]
-    of_answers = {*names(ANSWER)}
-    is_read = np.array(
-        [
-            name in of_scenarios or (name not in of_answers and bool(nearest(name, missing)))
-            for name in scenarios
-        ],
-        np.bool_,
-    )
+    unknown = [name for name in scenarios if name not in of_scenarios | of_answers]
+    misspelt = {name for name in unknown if nearest(name, missing)}
+    is_read = scenarios.columns.isin(of_scenarios | misspelt)
     others = scenarios.loc[:, ~is_read & ~scenarios.columns.isin(of_answers)]
-    # to choose columns would copy them
-    frame = scenarios if is_read.all() else scenarios.loc[:, is_read]
+    frame = scenarios
+    if not is_read.all():  # to choose columns copies them
+        frame = scenarios.loc[:, is_read]
     return check_frame(frame), others
 
 
 def with_others(rows: pd.DataFrame, others: pd.DataFrame) -> pd.DataFrame:
     """Rows of answers, then the caller's other columns."""
-    return pd.concat([rows, others], axis=1) if others.shape[1] else rows
+    if others.shape[1]:
+        return pd.concat([rows, others], axis=1)
+    return rows
 
 
 def _parts(frame: pd.DataFrame) -> list[tuple[Kind, Any]]:
@@ -269,8 +286,8 @@ def _parts(frame: pd.DataFrame) -> list[tuple[Kind, Any]]:
 
     A frame without rows counts as one of legs.
     """
-    places = [(kind, np.flatnonzero(rows_of(frame, kind))) for kind in KINDS]
-    return [(kind, those) for kind, those in places if len(those)] or places[:1]
+    parts = [(kind, np.flatnonzero(rows_of(frame, kind))) for kind in KINDS]
+    return [(kind, places) for kind, places in parts if len(places)] or parts[:1]
 
 
 def check_branches(frame: pd.DataFrame, branch: str) -> None:
@@ -311,8 +328,8 @@ def _typed(values: Sequence[Any], kind: str) -> Any:
     """
     match kind:
         case "string":
-            texts = [None if value is None else _storable(str(value)) for value in values]
-            return pd.Categorical(pd.array(texts, "str"))  # the dtype of texts in `_texts`
+            texts = pd.array([_storable(value) for value in values], "str")
+            return pd.Categorical(texts)  # the dtype of texts in `_texts`
         case "float64":
             return np.array(values, np.float64)  # None is NaN
         case "int64":
@@ -330,13 +347,14 @@ def _framed(
     A column comes from `arrays`, or else has its one value from `of_all_rows`. In neither it is
     missing.
     """
-    every = {name: frame[name] for name in names(SCENARIO)} | arrays
+    all_columns = {name: frame[name] for name in names(SCENARIO)} | arrays
     # one array of nulls serves all columns of its type
     constant = cache(partial(_constant, n=len(frame)))
     for column in ANSWER:
-        if every.get(column.name) is None:
-            every[column.name] = constant(of_all_rows.get(column.name), column.type)
-    return pd.DataFrame({name: every[name] for name in COLUMNS}, index=frame.index, copy=False)
+        if all_columns.get(column.name) is None:
+            all_columns[column.name] = constant(of_all_rows.get(column.name), column.type)
+    in_order = {name: all_columns[name] for name in COLUMNS}
+    return pd.DataFrame(in_order, index=frame.index, copy=False)
 
 
 def _in_order(parts: list[tuple[Any, pd.DataFrame]], frame: pd.DataFrame) -> pd.DataFrame:

@@ -46,6 +46,14 @@ def no_answer(outcome: Outcome, message: str, times: Times = _NO_TIMES, status: 
     return Reply(outcome, Solution(Claim.NONE, native_status=status, message=message), times)
 
 
+def raised_answer(error: BaseException, times: Times = _NO_TIMES) -> Reply:
+    """The reply of a solver that raised an exception."""
+    outcome = Outcome.RAISED
+    if isinstance(error, MemoryError):
+        outcome = Outcome.OUT_OF_MEMORY
+    return no_answer(outcome, exception_text(error), times)
+
+
 def ask(
     solver: Solver,
     question: Question,
@@ -70,7 +78,9 @@ def ask(
     began = perf_counter()
     built = None
     try:
-        presolve_solution = presolved(question) if solver.presolve is True else None
+        presolve_solution = None
+        if solver.presolve is True:
+            presolve_solution = presolved(question)
         model = presolve_solution or solver.build(question)
         built = perf_counter()
         limit_left = max((1 - _HELD_BACK) * limit - (built - began), _HELD_BACK * limit)
@@ -84,10 +94,10 @@ def ask(
         ended = perf_counter()
         if raised is not None:
             raised(error)
-        build = None if built is None else built - began
-        outcome = Outcome.OUT_OF_MEMORY if isinstance(error, MemoryError) else Outcome.RAISED
-        times = Times(build_s=build, wall_s=ended - began)
-        return no_answer(outcome, exception_text(error), times)
+        build_s = None
+        if built is not None:
+            build_s = built - began
+        return raised_answer(error, Times(build_s=build_s, wall_s=ended - began))
     times = Times(build_s=built - began, solve_s=ended - built, wall_s=ended - began)
     return Reply(Outcome.RETURNED, solution, times)
 
@@ -103,8 +113,10 @@ def with_possible_times(reply: Reply, waited_s: float) -> Reply:
     """
     for name, seconds in vars(reply.times).items():
         if seconds is not None and not 0 <= seconds <= waited_s + _CLOCKS_APART_S:
-            expected = f"expected a time from 0 to {waited_s:.3g} s: the clock was replaced"
-            message = f"ValueError: {name} is {seconds!r}; {expected}"
+            message = (
+                f"ValueError: {name} is {seconds!r}; expected a time from 0 to {waited_s:.3g} s: "
+                "the clock was replaced"
+            )
             solution = Solution(Claim.NONE, message=message)
             return reply._replace(outcome=Outcome.RAISED, solution=solution, times=_NO_TIMES)
     return reply

@@ -152,18 +152,20 @@ def _without_path(answer: Answer) -> Iterator[_Observed]:
         return
     kind = kind_of(answer.scenario, answer.branch)
     word = kind.words_of(best.path, best.at, answer.scenario.radius) or "of length 0"
-    there = f"there is one, {word}, of length {best.path.length:.6g}"
+    shortest = f"there is one, {word}, of length {best.path.length:.6g}"
     if claim is Claim.INFEASIBLE:
         advice = (
             "INFEASIBLE is for a method that proves it; a local search that converges off the "
             "target claims LOCALLY_INFEASIBLE, one that finds nothing FAILED. "
             "A path exists for every target"
         )
-        observed = f"it claims infeasible, that no path exists; {there}"
+        observed = f"it claims infeasible, that no path exists; {shortest}"
         yield Part.CLAIM, Status.FAIL, observed, advice
     else:
-        message = f": {answer.message}" if answer.message else ""
-        yield Part.LENGTH, Status.NOTE, f"it finds no path (claim {claim}{message}); {there}", ""
+        reply = f"claim {claim}"
+        if answer.message:
+            reply += f": {answer.message}"
+        yield Part.LENGTH, Status.NOTE, f"it finds no path ({reply}); {shortest}", ""
 
 
 def _advice(interview: Interview, answer: Answer, path: Path) -> str:
@@ -233,18 +235,20 @@ def _of_length(answer: Answer, guarantee: str) -> Iterator[_Observed]:
     if answer.verdict is Verdict.LONGER and answer.claim is not Claim.INFEASIBLE:
         assert answer.gap is not None
         assert answer.path is not None
-        how = f"its path, {answer.word or 'none'}, is {100 * answer.gap:.3g} % longer than the "
-        how += f"shortest, {answer.reference_word or 'none'}{_orders(answer)}"
+        longer = (
+            f"its path, {answer.word or 'none'}, is {100 * answer.gap:.3g} % longer than the "
+            f"shortest, {answer.reference_word or 'none'}{_orders(answer)}"
+        )
         cause = length_cause(answer.scenario, answer.path)
         if answer.claim is Claim.OPTIMAL:
             advice = cause or "claim LOCAL unless the method proves that no path is shorter"
-            yield Part.CLAIM, Status.FAIL, f"it claims optimal, but {how}", advice
+            yield Part.CLAIM, Status.FAIL, f"it claims optimal, but {longer}", advice
         elif guarantee in (Guarantee.EXACT, Guarantee.GLOBAL) and answer.claim in _SUCCESS:
             advice = "declare another guarantee, or claim LIMIT where the time did not suffice"
-            observed = f"it declares the guarantee {guarantee!r}, but {how}"
+            observed = f"it declares the guarantee {guarantee!r}, but {longer}"
             yield Part.CLAIM, Status.FAIL, observed, cause or advice
         else:
-            yield Part.LENGTH, Status.NOTE, how, cause
+            yield Part.LENGTH, Status.NOTE, longer, cause
     if claimed is None or length is None or answer.verdict is Verdict.MISSES:
         return
     if abs(claimed - length) > _CLAIMED * max(length, answer.scenario.radius):
@@ -288,11 +292,17 @@ def united(*findings: Iterable[Finding]) -> list[Finding]:
     Of those with the same reason, the first is taken, with their count.
     """
     groups: dict[tuple[object, ...], list[Finding]] = {}
-    for one in chain(*findings):
-        reason = (one.advice or one.kind) if one.kind else one.observed
-        where = one.traceback.splitlines()[-2:-1]
-        groups.setdefault((one.kind, one.status, reason, *where), []).append(one)
-    return [replace(same[0], count=sum(one.count for one in same)) for same in groups.values()]
+    for finding in chain(*findings):
+        reason: object = finding.observed
+        if finding.kind:
+            reason = finding.advice or finding.kind
+        last_frame = finding.traceback.splitlines()[-2:-1]
+        groups.setdefault((finding.kind, finding.status, reason, *last_frame), []).append(finding)
+    counted = []
+    for group in groups.values():
+        count = sum(finding.count for finding in group)
+        counted.append(replace(group[0], count=count))
+    return counted
 
 
 # A path fits a guess if it ends within 0.001 radii of the target, and is at most 0.1 % too tight.
@@ -314,7 +324,7 @@ def mix_ups(s: Scenario, path: Path) -> Iterator[tuple[str, Scenario, FloatArray
     lengths = path.lengths
     yield "left and right are swapped: curvature is positive to the left", s, -k, lengths
     advice = "is your radius a curvature? A path's curvature is 1 / radius at most, not the radius"
-    inverses = [1 / each if each else 0.0 for each in k]
+    inverses = [1 / curvature if curvature else 0.0 for curvature in k]
     yield advice, s, np.array(inverses), lengths
     advice = (
         "is your path that of radius 1? Divide its curvatures by the radius and multiply its "

@@ -39,10 +39,15 @@ def broken(error: LoadError, spec: str, command: str) -> Finding:
     """The finding about a solver that does not load."""
     message = str(error)
     file = spec.rpartition(":")[0] or "my_solver.py"
-    advice = next(text for part, text in _BROKEN.items() if part in message).format(file=file)
+    advice = next(text for part, text in _BROKEN.items() if part in message)
     observed, _, place = message.partition("\n")  # of a syntax error
-    trace = place or error.frames
-    return Finding(Status.FAIL, observed, advice=advice, command=command, traceback=trace)
+    return Finding(
+        Status.FAIL,
+        observed,
+        advice=advice.format(file=file),
+        command=command,
+        traceback=place or error.frames,
+    )
 
 
 def loading(interview: Interview) -> Checked:
@@ -57,7 +62,7 @@ def _question(interview: Interview, place: int) -> Question:
     """A simple question that the solver takes."""
     for kind in EVERY_KIND:
         scenarios = [*interview.taken(questions.OF_KIND[kind.name]).values()]
-        branches = [each for each in kind.branches if interview.answers(each)]
+        branches = [branch for branch in kind.branches if interview.answers(branch)]
         if scenarios and branches:
             return Question(scenarios[place % len(scenarios)], branches[0])
     raise NotApplicableError("the solver takes none of the kit's questions")
@@ -79,22 +84,25 @@ def limits(interview: Interview) -> Checked:
     seen = interview.ask(question, again=True, limit=_SHORT_LIMIT_S)
     timed_out = seen.answer.outcome is Outcome.TIMEOUT
     seconds = seen.answer.wall_s or seen.seconds
-    # a run ends a solve sooner than the promise asks for
-    beyond = _BEYOND_S if promised else RUN_GRACE_S
+    beyond = RUN_GRACE_S  # a run ends a solve sooner than the promise asks for
+    if promised:
+        beyond = _BEYOND_S
     if not timed_out and seconds <= _SHORT_LIMIT_S + beyond:
         return [], f"{seconds:.3f} s with a limit of {_SHORT_LIMIT_S} s"
-    took = f"it does not return within {GRACE_S:g} s" if timed_out else f"it takes {seconds:.2f} s"
+    took = f"it takes {seconds:.2f} s"
+    if timed_out:
+        took = f"it does not return within {GRACE_S:g} s"
     advice = (
         "look at `limit`, the second argument of solve, and return the best path so far with "
         "Claim.LIMIT; a run ends the process at the limit and keeps no path"
     )
+    status = Status.NOTE
     if promised:
+        status = Status.FAIL
         advice += ". Until then, do not promise keeps_limit"
-    status = Status.FAIL if promised else Status.NOTE
-    observed = f"with a limit of {_SHORT_LIMIT_S} s {took}"
     finding = Finding(
         status,
-        observed,
+        f"with a limit of {_SHORT_LIMIT_S} s {took}",
         advice=advice,
         question=question.scenario.label,
         command=questions.command(interview.spec, question, _SHORT_LIMIT_S, interview.profile),
@@ -126,25 +134,27 @@ def determinism(interview: Interview) -> Checked:
     )
     compared = 0
     findings = []
-    for seen, when in ((second, "after other questions"), (third, "in a new process")):
-        for one, again in zip(first, seen, strict=True):
-            if _is_cut(one) or _is_cut(again):
+    for answers, when in ((second, "after other questions"), (third, "in a new process")):
+        for earlier, later in zip(first, answers, strict=True):
+            if _is_cut(earlier) or _is_cut(later):
                 continue
             compared += 1
-            if not _is_same(one.answer, again.answer):
+            if not _is_same(earlier.answer, later.answer):
                 observed = (
                     f"asked again {when}, its answer differs by more than rounding: "
-                    f"{_summary(again.answer)}; the first time {_summary(one.answer)}"
+                    f"{_summary(later.answer)}; the first time {_summary(earlier.answer)}"
                 )
-                label = one.question.scenario.label
+                label = earlier.question.scenario.label
                 findings.append(Finding(Status.FAIL, observed, advice=advice, question=label))
     if not compared:
         raise NotApplicableError("its answers took the whole time limit; raise --time-limit")
-    if not findings and all(one.answer.path is None for one in first):
+    if not findings and all(seen.answer.path is None for seen in first):
         raise NotApplicableError("it returned no path")
+    summary = f"{compared} pairs of answers the same"
     cut = 2 * len(repeated) - compared
-    left_out = f"; of {cut} more pairs one took the whole time limit" if cut else ""
-    return findings[:1], f"{compared} pairs of answers the same{left_out}"
+    if cut:
+        summary += f"; of {cut} more pairs one took the whole time limit"
+    return findings[:1], summary
 
 
 def _is_cut(seen: Seen) -> bool:
@@ -193,9 +203,9 @@ def state(interview: Interview) -> Checked:
     """
     for number in range(len(questions.GENERAL)):
         interview.ask(_question(interview, number))
-    seen = interview.seen
+    answers = interview.seen
     findings = []
-    changes = Counter(chain.from_iterable(one.observed.changes for one in seen))
+    changes = Counter(chain.from_iterable(seen.observed.changes for seen in answers))
     for change, count in changes.items():
         advice = (
             f"{_ADVICE.get(change, 'restore it before you return')}; a run then replaces the "
@@ -204,16 +214,22 @@ def state(interview: Interview) -> Checked:
         observed = f"after a solve this is not as it was before: {change}"
         findings.append(Finding(Status.FAIL, observed, advice=advice, count=count))
     # after any other outcome a solver could not have removed its files
-    ended = [one for one in seen if one.answer.outcome in (Outcome.RETURNED, Outcome.RAISED)]
-    files = sorted(set(chain.from_iterable(one.files for one in ended)))
+    ended = [seen for seen in answers if seen.answer.outcome in (Outcome.RETURNED, Outcome.RAISED)]
+    files = sorted(set(chain.from_iterable(seen.files for seen in ended)))
     if files:
         observed = f"it leaves files in the working directory: {', '.join(files[:3])}"
         advice = "write into a tempfile.TemporaryDirectory()"
         findings.append(Finding(Status.FAIL, observed, advice=advice, count=len(files)))
-    outputs = [one.observed.output for one in seen if not one.observed.loaded]
-    if loud := list(filter(None, outputs)):
+    outputs = [
+        seen.observed.output
+        for seen in answers
+        if seen.observed.output and not seen.observed.loaded
+    ]
+    if outputs:
         advice = "switch the output of the library off, or leave print out"
-        status = Status.FAIL if interview.declared["keeps_limit"] else Status.NOTE
-        observed = f"it prints: {loud[0][-120:]}"
-        findings.append(Finding(status, observed, advice=advice, count=len(loud)))
-    return findings, f"{len(seen)} questions"
+        status = Status.NOTE
+        if interview.declared["keeps_limit"]:
+            status = Status.FAIL
+        observed = f"it prints: {outputs[0][-120:]}"
+        findings.append(Finding(status, observed, advice=advice, count=len(outputs)))
+    return findings, f"{len(answers)} questions"

@@ -48,7 +48,7 @@ class ConformanceError(DubinsStudyError, ValueError):
     """A request for checks that cannot be met."""
 
 
-def _asked(
+def _best_paths(
     scenarios: Mapping[str, Scenario],
     parts: tuple[Part, ...] = _ALL,
     pathless: bool = False,
@@ -75,7 +75,7 @@ def _asked(
             raise NotApplicableError(_takes_only(interview))
         answers = [interview.ask(Question(scenario, branch)) for scenario in suitable.values()]
         findings = _wrong(interview, answers, parts)
-        without_path = all(one.answer.path is None for one in answers)
+        without_path = all(seen.answer.path is None for seen in answers)
         if Part.CONTROLS in parts and not findings and without_path:
             raise NotApplicableError("it returned no path")
         return findings, f"{len(suitable)} questions"
@@ -121,12 +121,11 @@ def _warm(interview: Interview) -> Checked:
     if not interview.taken(questions.GENERAL):
         raise NotApplicableError(_takes_only(interview))
     scenario = questions.REFERENCE
-    start = scenario.start
     radius = scenario.radius
     guesses = {
         "the shortest path of a near target": shortest_path(questions.NEAR),
-        "a path to elsewhere": Path(start, [1 / radius, 0.0, -1 / radius], [radius] * 3),
-        "a path of no arcs": Path(start, [], []),
+        "a path to elsewhere": Path(scenario.start, [1 / radius, 0.0, -1 / radius], [radius] * 3),
+        "a path of no arcs": Path(scenario.start, [], []),
     }
     guessed = (
         Question(replace(scenario, label=f"initial guess: {name}"), initial_guess=guess)
@@ -140,23 +139,26 @@ _CHECKS: dict[str, tuple[str, Callable[[Interview], Checked]]] = {
     "loading": ("loads, and says what it is", behaviour.loading),
     "outcome": (
         "returns a Solution, and neither raises, crashes nor hangs",
-        _asked(questions.GENERAL, (), pathless=True),
+        _best_paths(questions.GENERAL, (), pathless=True),
     ),
     "controls": (
         "paths start at the start, keep the radius and arrive",
-        _asked(questions.GENERAL, (Part.CONTROLS,)),
+        _best_paths(questions.GENERAL, (Part.CONTROLS,)),
     ),
     "claims": (
         "claims of optimality, of a lower bound, of no path; paths that are longer",
-        _asked(questions.GENERAL, (Part.CLAIM, Part.LENGTH, Part.BOUND), pathless=True),
+        _best_paths(questions.GENERAL, (Part.CLAIM, Part.LENGTH, Part.BOUND), pathless=True),
     ),
-    "axis": ("targets straight ahead, straight behind, at the start", _asked(questions.AXIS)),
-    "discs": ("targets within a turning disc, where RL or LR is shortest", _asked(questions.DISCS)),
-    "circles": ("targets on and near a turning circle", _asked(questions.CIRCLES)),
-    "symmetries": ("mirrored, moved and turned questions", _asked(questions.SYMMETRIES)),
-    "scale": ("one question larger, smaller, farther, faster", _asked(questions.SCALES)),
+    "axis": ("targets straight ahead, straight behind, at the start", _best_paths(questions.AXIS)),
+    "discs": (
+        "targets within a turning disc, where RL or LR is shortest",
+        _best_paths(questions.DISCS),
+    ),
+    "circles": ("targets on and near a turning circle", _best_paths(questions.CIRCLES)),
+    "symmetries": ("mirrored, moved and turned questions", _best_paths(questions.SYMMETRIES)),
+    "scale": ("one question larger, smaller, farther, faster", _best_paths(questions.SCALES)),
     **{
-        f"{kind.name}s": (kind.task, _asked(questions.OF_KIND[kind.name]))
+        f"{kind.name}s": (kind.task, _best_paths(questions.OF_KIND[kind.name]))
         for kind in KINDS
         if kind.task
     },
@@ -199,7 +201,7 @@ def check_solver(
         ConformanceError, ProfileError, QuestionError: if the request is not a valid one.
         ForkServerError: if no worker process can be started.
     """
-    spec = solver if isinstance(solver, str) else _spec_of(solver)
+    spec = _spec_of(solver)
     names = _names(checks)
     check_request("best", time_limit, "time_limit")
     check_request("best", total_time_limit, "total_time_limit")
@@ -208,8 +210,11 @@ def check_solver(
     absolute = spec
     if plugin := plugin_file(spec):  # absolute, since the worker has a folder of its own
         absolute = f"{FilePath(plugin.file).absolute()}:{plugin.class_name}"
+    source_class: type[Observer | Worker] = Observer
+    if isolated:
+        source_class = Worker
     try:
-        source = (Worker if isolated else Observer)(absolute, profile)
+        source = source_class(absolute, profile)
     except LoadError as error:
         repeat = questions.check_command(spec, "loading", time_limit, profile)
         finding = behaviour.broken(error, spec, repeat)
@@ -223,12 +228,11 @@ def check_solver(
             results.append(result)
             if progress is not None:
                 progress(len(results), len(names))
-    seconds = monotonic() - began
     return ConformanceReport(
         solver=spec,
         results=tuple(results),
         answers=interview.counts(),
-        seconds=seconds,
+        seconds=monotonic() - began,
         worst_gap=interview.worst_gap(),
         claimed=interview.claimed(),
     )
@@ -264,10 +268,13 @@ def _results(interview: Interview, names: list[str]) -> Iterator[CheckResult]:
         ]
         silent = _wrong(interview, new, (Part.OUTCOME,))
         repeat = questions.check_command(interview.spec, name, interview.limit, interview.profile)
-        listed = [replace(one, command=one.command or repeat) for one in united(findings, silent)]
-        listed.sort(key=lambda one: one.status is not Status.FAIL)
+        listed = [
+            replace(finding, command=finding.command or repeat)
+            for finding in united(findings, silent)
+        ]
+        listed.sort(key=lambda finding: finding.status is not Status.FAIL)
         yield CheckResult(name, title, tuple(listed), summary, applied)
-        outcomes = {one.answer.outcome for one in interview.seen}
+        outcomes = {seen.answer.outcome for seen in interview.seen}
         if interview.declared["unavailable"] is not None:
             stopped = f"it cannot run here: {interview.declared['unavailable']}"
         elif outcomes and Outcome.RETURNED not in outcomes:
@@ -280,7 +287,9 @@ def _not_asked(name: str, reason: str) -> CheckResult:
 
 def _names(checks: Iterable[str]) -> list[str]:
     """The checks in their order, `loading` first."""
-    requested = [checks] if isinstance(checks, str) else list(checks)
+    if isinstance(checks, str):
+        checks = [checks]
+    requested = list(checks)
     for name in requested:
         if name not in CHECKS:
             hint = did_you_mean(name, CHECKS)
@@ -291,15 +300,14 @@ def _names(checks: Iterable[str]) -> list[str]:
 
 
 def _spec_of(kind: Any) -> str:
-    """The spec of a class.
+    """A spec as it is, or that of a class.
 
-    It is the registered name of the class, or its file.
+    The spec of a class is its registered name, or its file and name.
     """
+    if isinstance(kind, str):
+        return kind
     if not (isinstance(kind, type) and issubclass(kind, Solver)):
         raise ConformanceError(
             f"solver is {kind!r:.80}; expected a spec, or a class that extends Solver"
         )
-    name = registered_name(kind)
-    if name is not None:
-        return name
-    return f"{getsourcefile(kind)}:{kind.__name__}"
+    return registered_name(kind) or f"{getsourcefile(kind)}:{kind.__name__}"

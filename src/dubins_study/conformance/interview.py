@@ -6,7 +6,6 @@ The solver runs in a process of its own or in this one.
 from __future__ import annotations
 
 import shutil
-from collections import Counter
 from collections.abc import Mapping
 from pathlib import Path as FilePath
 from tempfile import mkdtemp
@@ -109,7 +108,9 @@ class Worker:
             self.declared = value
             return self._process
         self.restart()
-        raise SolverError(value) if kind == "refused" else LoadError(value, *frames)
+        if kind == "refused":
+            raise SolverError(value)
+        raise LoadError(value, *frames)
 
     def restart(self) -> None:
         """End the process; the next question starts another."""
@@ -171,11 +172,10 @@ class Interview:
 
         They have the form of `ConformanceReport.answers`.
         """
-        endings = Counter(
-            str(seen.answer.verdict) if seen.answer.outcome is Outcome.RETURNED else UNANSWERED
-            for seen in self.seen
-        )
-        return {name: endings[name] for name in (*map(str, Verdict), UNANSWERED)}
+        answers = [seen.answer for seen in self.seen]
+        verdicts = [answer.verdict for answer in answers if answer.outcome is Outcome.RETURNED]
+        counts = {str(verdict): verdicts.count(verdict) for verdict in Verdict}
+        return counts | {UNANSWERED: len(answers) - len(verdicts)}
 
     def worst_gap(self) -> float | None:
         """The largest gap of longer paths, or None.
@@ -183,7 +183,7 @@ class Interview:
         These paths are longer than the shortest.
         """
         answers = [seen.answer for seen in self.seen if seen.answer.path is not None]
-        gaps = [one.gap or 0.0 for one in answers if one.verdict is Verdict.LONGER]
+        gaps = [answer.gap or 0.0 for answer in answers if answer.verdict is Verdict.LONGER]
         return max(gaps, default=None)
 
     def claimed(self) -> int:
@@ -204,7 +204,11 @@ class Interview:
         They need no more than it declares.
         """
         takes = set(self.declared["takes"])
-        return {name: each for name, each in scenarios.items() if takes.issuperset(each.needs)}
+        return {
+            name: scenario
+            for name, scenario in scenarios.items()
+            if takes.issuperset(scenario.needs)
+        }
 
     def ask(self, question: Question, *, again: bool = False, limit: float | None = None) -> Seen:
         """The judged answer to a question.
@@ -232,7 +236,9 @@ class Interview:
         files = self._new_files()
         seconds = monotonic() - began
         seen = Seen(answer, question, observed, files, seconds=seconds, limit=limit)
-        self._timeouts = self._timeouts + 1 if answer.outcome is Outcome.TIMEOUT else 0
+        self._timeouts += 1
+        if answer.outcome is not Outcome.TIMEOUT:
+            self._timeouts = 0
         self.seen.append(seen)
         if cold:
             self._answers.setdefault(key, seen)

@@ -18,7 +18,7 @@ from typing import Any, NamedTuple
 
 import psutil
 
-from dubins_study.asking.reply import Reply, ask, exception_text, no_answer
+from dubins_study.asking.reply import Reply, ask, exception_text, raised_answer
 from dubins_study.experiments.isolation.messages import Channel, decode_question, encode_reply
 from dubins_study.experiments.isolation.process_state import ProcessState, bound_process, seed
 from dubins_study.experiments.isolation.worker import answer_tasks
@@ -34,14 +34,19 @@ from dubins_study.solvers.registry import (
 from dubins_study.study.kinds.table import EVERY_BRANCH
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Pose
-from dubins_study.study.words import FINAL_HEADING, FREE_FINAL_HEADING, Outcome
+from dubins_study.study.words import FINAL_HEADING, FREE_FINAL_HEADING
 
 MEMORY_BYTES = 4 * 2**30
 TEMPORARY = "temporary"  # folder for temporary files, in the folder of the worker
 # state that no import changes: what has changed while modules were imported is the solver's doing
 _NO_IMPORTS = {
-    *("working directory", "numpy's error handling", "timers"),
-    *("standard streams", "recursion limit", "garbage collector", "clock"),
+    "working directory",
+    "numpy's error handling",
+    "timers",
+    "standard streams",
+    "recursion limit",
+    "garbage collector",
+    "clock",
 }
 # Files of this package whose functions call a solver's code.
 _PACKAGE = FilePath(__file__).parents[1]
@@ -95,8 +100,10 @@ class Observer:
             changes.append("child processes")
         self._state.accept()
         self._children = _children()
-        text = own_frames(raised[-1]) if raised else ""
-        return Observation(reply, text, tuple(changes), loaded)
+        frames = ""
+        if raised:
+            frames = own_frames(raised[-1])
+        return Observation(reply, frames, tuple(changes), loaded)
 
     def restart(self) -> None:
         """There is only one process to ask in."""
@@ -151,7 +158,9 @@ def _wrong_declaration(solver: Solver) -> Iterator[tuple[str, str, str]]:
     kind = type(solver)
     unknown = [name for name in kind.branches if name not in EVERY_BRANCH]
     if unknown or not kind.branches:
-        observed = f"branches names {unknown[0]!r}" if unknown else "branches is empty"
+        observed = "branches is empty"
+        if unknown:
+            observed = f"branches names {unknown[0]!r}"
         yield "fail", observed, f"expected some of: {', '.join(EVERY_BRANCH)}"
     if not kind.takes & {FREE_FINAL_HEADING, FINAL_HEADING}:
         observed = f"takes is {sorted(kind.takes)}, and every scenario needs more"
@@ -159,12 +168,12 @@ def _wrong_declaration(solver: Solver) -> Iterator[tuple[str, str, str]]:
     if kind.guarantee not in set(Guarantee):
         yield "fail", f"guarantee is {kind.guarantee!r}", f"expected one of: {', '.join(Guarantee)}"
     if (reason := unavailable(solver)) is not None:
-        raised = reason.startswith(UNKNOWN)
-        status = "fail" if raised else "note"
-        advice = "unavailable() does not raise: it returns a text, or None" if raised else ""
-        yield status, f"it cannot run here: {reason}", advice
-    formulation, engine = stated_method(solver)[:2]
-    if (formulation, engine) == NOT_STATED[:2]:
+        observed = f"it cannot run here: {reason}"
+        if reason.startswith(UNKNOWN):
+            yield "fail", observed, "unavailable() does not raise: it returns a text, or None"
+        else:
+            yield "note", observed, ""
+    if stated_method(solver)[:2] == NOT_STATED[:2]:  # formulation and engine
         advice = 'add method = ("penalty", "my engine", "random"): formulation, engine, guess'
         yield "note", "it does not state its method", advice
 
@@ -205,8 +214,9 @@ def serve(channel: Channel, spec: str, profile: str, folder: str) -> None:
             loaded.append(Observer(spec, profile))
             return ["loaded", loaded[0].declared]
         except SolverError as error:
-            text = own_frames(error.__cause__) if error.__cause__ else ""
-            return ["broken", str(error), text] if text else ["refused", str(error)]
+            if error.__cause__ is None:
+                return ["refused", str(error)]
+            return ["broken", str(error), own_frames(error.__cause__)]
         except BaseException as error:  # a plug-in's property may raise anything
             return ["broken", exception_text(error), own_frames(error)]
 
@@ -218,7 +228,7 @@ def serve(channel: Channel, spec: str, profile: str, folder: str) -> None:
         try:
             seen = observer.ask(decode_question(encoded), limit)
         except KeyboardInterrupt as error:  # the solver's own: Ctrl-C does not reach this process
-            seen = Observation(no_answer(Outcome.RAISED, exception_text(error)), own_frames(error))
+            seen = Observation(raised_answer(error), own_frames(error))
         with suppress(Exception):
             ctypes.CDLL(None).fflush(None)  # what C printed belongs to this question
         return [encode_reply(seen.reply), *seen[1:4]], False

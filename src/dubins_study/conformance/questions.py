@@ -53,7 +53,8 @@ def placed(X: float, Y: float, label: str = "") -> Scenario:
     The target lies X radii ahead of the start and Y radii to the left.
     """
     s = REFERENCE
-    target = complex(s.x, s.y) + s.radius * complex(X, Y) * cmath.rect(1, s.start.heading)
+    offset = s.radius * complex(X, Y) * cmath.rect(1, s.start.heading)
+    target = complex(s.x, s.y) + offset
     return replace(s, target_x=target.real, target_y=target.imag, label=label)
 
 

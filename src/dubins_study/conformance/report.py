@@ -153,9 +153,14 @@ class ConformanceReport:
     def to_dict(self) -> dict[str, Any]:
         """The report as values that JSON can hold."""
         checks = [
-            {"name": one.name, "title": one.title, "status": one.status, "summary": one.summary}
-            | {"findings": [asdict(finding) for finding in one.findings]}
-            for one in self.results
+            {
+                "name": result.name,
+                "title": result.title,
+                "status": result.status,
+                "summary": result.summary,
+                "findings": [asdict(finding) for finding in result.findings],
+            }
+            for result in self.results
         ]
         return {
             "solver": self.solver,
@@ -196,11 +201,12 @@ def report_text(report: ConformanceReport, width: int | None = None) -> str:
         result, *others = group
         mark, _ = _STATUS_TEXTS[status]
         if others:
-            names = ", ".join(one.name for one in (result, *others))
+            names = ", ".join(check.name for check in (result, *others))
             line = f"{mark}  {names}: {plain(result.summary)}"
         else:
-            summary = f" ({plain(result.summary)})" if result.summary else ""
-            line = f"{mark}  {result.name:<12} {result.title}{summary}"
+            line = f"{mark}  {result.name:<12} {result.title}"
+            if result.summary:
+                line += f" ({plain(result.summary)})"
         blocks.append(_wrapped(line, width, _MARGIN))
         for finding in result.findings:
             if finding.advice in earlier_advice:
@@ -217,14 +223,18 @@ def _together(result: CheckResult) -> tuple[Status, object]:
 
     Checks that were not made for one reason share one; every other check has its own.
     """
-    same = result.status is Status.NOT_ASKED and not result.findings
-    return result.status, result.summary if same else result
+    if result.status is Status.NOT_ASKED and not result.findings:
+        return result.status, result.summary
+    return result.status, result
 
 
 def _finding_text(finding: Finding, width: int) -> str:
-    more = f" (and {finding.count - 1} more)" if finding.count > 1 else ""
-    where = f"{plain(finding.question)}: " if finding.question else ""
-    lines = [_wrapped(f"{where}{plain(finding.observed)}{more}", width)]
+    observed = plain(finding.observed)
+    if finding.question:
+        observed = f"{plain(finding.question)}: {observed}"
+    if finding.count > 1:
+        observed += f" (and {finding.count - 1} more)"
+    lines = [_wrapped(observed, width)]
     if finding.advice:
         lines.append(_wrapped(f"→ {plain(finding.advice)}", width, "  "))
     if finding.traceback:
@@ -253,12 +263,18 @@ def _verdict(report: ConformanceReport) -> Iterator[str]:
     total = sum(report.answers.values())
     longer = ""
     if report.worst_gap is not None:
-        worst = f"{100 * report.worst_gap:.3g} %"
-        number = report.answers[Verdict.LONGER]
-        longer = f"; paths longer than the shortest on {number} of {total} questions, worst {worst}"
-    outcome = "passed" if report.passed else "FAILED"
+        longer = (
+            f"; paths longer than the shortest on {report.answers[Verdict.LONGER]} of {total} "
+            f"questions, worst {100 * report.worst_gap:.3g} %"
+        )
+    outcome = "FAILED"
+    if report.passed:
+        outcome = "passed"
     yield f"{outcome}: {', '.join(counts)}{longer}"
+    questions = f"{total} questions in {report.seconds:.1f} s"
     endings = ", ".join(f"{count} {name}" for name, count in report.answers.items() if count)
-    yield f"{total} questions in {report.seconds:.1f} s" + (f": {endings}" if endings else "")
+    if endings:
+        questions += f": {endings}"
+    yield questions
     if total and not report.claimed:
         yield "It claims nothing of any answer: no check can find a claim of its false."

@@ -57,16 +57,16 @@ def plain_settings(solver: Solver) -> dict[str, Any]:
 
     Values of other types become text.
     """
-    return {
-        name: value if _is_plain(value) else _ADDRESS.sub("", str(value))
-        for name, value in settings(solver).items()
-    }
+    return {name: _plain(value) for name, value in settings(solver).items()}
 
 
-def _is_plain(value: object) -> bool:
-    if type(value) is float:
-        return math.isfinite(value)
-    return value is None or type(value) in (str, int, bool)  # a member of an enum may be a str too
+def _plain(value: Any) -> Any:
+    # a member of an enum may be a str too, but is of another type
+    if value is None or type(value) in (str, int, bool):
+        return value
+    if type(value) is float and math.isfinite(value):
+        return value
+    return _ADDRESS.sub("", str(value))
 
 
 def solver_sources(spec: str, solver_class: type[Any]) -> Sources:
@@ -95,9 +95,10 @@ def _with_named_rooms(sources: Sources) -> Sources:
     unread = list(sources.values())
     while unread:
         for room in set(_ROOM_NAME.findall(unread.pop())):
-            added = {k: v for k, v in _room(room.decode()).items() if k not in complete}
-            complete |= added
-            unread += added.values()
+            for file, source in _room(room.decode()).items():
+                if file not in complete:
+                    complete[file] = source
+                    unread.append(source)
     return complete
 
 
@@ -108,7 +109,7 @@ def _room(name: str) -> Sources:
     Empty if no room has that name.
     """
     place = _PACKAGE.joinpath(*name.split("."))
-    files = place.rglob("*.py") if place.is_dir() else [place.with_suffix(".py")]
+    files = [place.with_suffix(".py"), *place.rglob("*.py")]
     return _read_all(_PACKAGE, (file for file in files if file.is_file()))
 
 
@@ -130,8 +131,11 @@ def _installed_plugin(package_name: str) -> Sources:
     package = sys.modules[package_name]
     folders = [FilePath(folder) for folder in getattr(package, "__path__", ())]
     files = list(chain.from_iterable(folder.rglob("*.py") for folder in folders))
-    root = folders[0].parent if folders else FilePath(str(package.__file__)).parent
-    return _read_all(root, files or [FilePath(str(package.__file__))])
+    module_file = FilePath(str(package.__file__))
+    root = module_file.parent
+    if folders:
+        root = folders[0].parent
+    return _read_all(root, files or [module_file])
 
 
 def _read_all(root: FilePath, files: Iterable[FilePath]) -> Sources:
@@ -165,4 +169,6 @@ class _Bare(ast.NodeTransformer):
         return ast.Import(whole)
 
     def visit_Expr(self, node: ast.Expr) -> ast.Expr | None:
-        return None if isinstance(node.value, ast.Constant) else node
+        if isinstance(node.value, ast.Constant):
+            return None
+        return node

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import hashlib
 import shlex
-from collections import Counter
 from itertools import chain
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Annotated, Any
@@ -33,9 +32,9 @@ from dubins_study.experiments.plan.run_plan import RunSettings
 from dubins_study.experiments.plan.scenarios import scenario_id
 from dubins_study.experiments.run import new_manifest
 from dubins_study.experiments.store.folder import compact, done, locked, open_folder, prepare_folder
-from dubins_study.experiments.store.manifest_changes import RunRecord, count_cells
+from dubins_study.experiments.store.manifest_changes import RunRecord, count_by_code, count_cells
 from dubins_study.experiments.store.part_writer import PartWriter, Progress
-from dubins_study.solvers.protocol import MAX_ARCS, Method, Question, Solution
+from dubins_study.solvers.protocol import MAX_ARCS, Method, Solution
 from dubins_study.solvers.registry import registered
 from dubins_study.study.delimited import column_problems
 from dubins_study.study.kinds.table import pathless_kind_of, prepare
@@ -122,8 +121,12 @@ def judge_answers(
     import pandas as pd
 
     experiment_file = read(suite)
-    every = questions(experiment_file.experiment)
-    with_paths = {id_: q for id_, q in every.items() if pathless_kind_of(q.branch) is None}
+    suite_questions = questions(experiment_file.experiment)
+    with_paths = {
+        id_: question
+        for id_, question in suite_questions.items()
+        if pathless_kind_of(question.branch) is None
+    }
     if not with_paths:
         raise AnswersError(f"{suite} asks for points of convex problems; expected one of paths")
     answers = read_answers(FilePath(file), with_paths)
@@ -131,14 +134,17 @@ def judge_answers(
     digest = hashlib.sha256(FilePath(file).read_bytes()).hexdigest()[:12]
     methods = list(dict.fromkeys(method for _, method in answers))
     profile = experiment_file.experiment.profile
-    settings = RunSettings(uuid4().hex[:12], experiment_file.experiment.time_limit_s)
-    settings = settings._replace(executor="file")
+    limit_s = experiment_file.experiment.time_limit_s
+    settings = RunSettings(uuid4().hex[:12], limit_s, executor="file")
     rows: list[Row] = []
     for method in methods:
         for id_, question in with_paths.items():
             cell = _cell(method, profile, digest, question)
             reply = answers.get((id_, method), _UNANSWERED)
-            rows.append({"id": id_} | _row(cell, reply, settings))
+            prepare(cell.scenario, cell.branch)
+            row = row_of(cell, cell.question(), settings, reply)
+            # the machine and the threads of another program are not known
+            rows.append({"id": id_} | row | {"machine": _MACHINE, "threads": None})
             if progress is not None:
                 progress(len(rows), len(with_paths) * len(methods))
     if out is not None:
@@ -150,29 +156,19 @@ def judge_answers(
     return pd.DataFrame(rows)
 
 
-def _cell(method: str, profile: str, digest: str, asked: Asked) -> Cell:
+def _cell(method: str, profile: str, digest: str, question: Asked) -> Cell:
     return Cell(
-        scenario_id=scenario_id(asked.scenario),
+        scenario_id=scenario_id(question.scenario),
         solver=method,
         profile=profile,
-        branch=asked.branch,
+        branch=question.branch,
         initial_guess="cold",
         repeat=0,
         code_digest=digest,
-        scenario=asked.scenario,
+        scenario=question.scenario,
         method=Method(engine=method),
-        time_limit_s=asked.time_limit_s,
+        time_limit_s=question.time_limit_s,
     )
-
-
-def _row(cell: Cell, reply: Reply, settings: RunSettings) -> Row:
-    """The judged row of an answer.
-
-    Machine and threads are not known.
-    """
-    prepare(cell.scenario, cell.branch)
-    row = row_of(cell, Question(cell.scenario, cell.branch), settings, reply)
-    return row | {"machine": _MACHINE, "threads": None}
 
 
 def _store(folder: FilePath, new: Manifest, settings: RunSettings, rows: list[Row]) -> None:
@@ -182,7 +178,7 @@ def _store(folder: FilePath, new: Manifest, settings: RunSettings, rows: list[Ro
         manifest, _ = open_folder(folder, new, restart=False)
         keys = {row_key(row) for row in rows}
         done_keys = done(folder)
-        totals = Counter((method, digest) for _, method, *_, digest in keys | done_keys)
+        totals = count_by_code(keys | done_keys)
         manifest, completes = count_cells(manifest, set(new.solvers), totals)
         if keys <= done_keys and manifest.finished:
             return
@@ -200,9 +196,9 @@ def _store(folder: FilePath, new: Manifest, settings: RunSettings, rows: list[Ro
             compact(folder, settings.run_id)
 
 
-def read_answers(file: FilePath, asked: dict[str, Asked]) -> dict[tuple[str, str], Reply]:
+def read_answers(file: FilePath, by_id: dict[str, Asked]) -> dict[tuple[str, str], Reply]:
     """The answers of a file, by id and method."""
-    table = _json_table(file) if file.suffix == ".json" else read_table(file)
+    table = _table(file)
     missing = [name for name in COLUMNS if name not in table.names]
     # such as the other columns of instances.csv
     others = [name for name in table.names if name not in COLUMNS and not nearest(name, missing)]
@@ -210,12 +206,15 @@ def read_answers(file: FilePath, asked: dict[str, Asked]) -> dict[tuple[str, str
     problems = table.problems + column_problems(names, _REQUIRED, COLUMNS[3:])
     answers: dict[tuple[str, str], Reply] = {}
     places: dict[tuple[str, str], str] = {}
-    for row in () if problems else table.rows:
+    rows = table.rows
+    if problems:
+        rows = []
+    for row in rows:
         cells = {name: row.values.get(name) for name in COLUMNS}
         values = {name: cell for name, cell in cells.items() if cell not in (None, "")}
         try:
             answer = Given.model_validate({"method": file.stem} | values)
-            path = _path(answer, asked)
+            path = _path(answer, by_id)
             if answer.key in places:
                 raise AnswersError(
                     f"id {answer.id} of method {answer.method} is in {places[answer.key]} already; "
@@ -239,8 +238,10 @@ def read_answers(file: FilePath, asked: dict[str, Asked]) -> dict[tuple[str, str
     return answers
 
 
-def _json_table(file: FilePath) -> Table:
-    """The objects of a JSON file as rows."""
+def _table(file: FilePath) -> Table:
+    """The rows of a CSV or JSON file."""
+    if file.suffix != ".json":
+        return read_table(file)
     with os_errors_as(f"{file} cannot be read"):
         text = file.read_bytes()
     try:
@@ -248,24 +249,23 @@ def _json_table(file: FilePath) -> Table:
     except ValidationError as error:
         sentences = "; ".join(each.sentence for each in problems_of(error, {}))
         raise AnswersError(f"{file}: {sentences}; expected a list of objects") from None
-    names = list(dict.fromkeys(chain.from_iterable(content)))
+    names = list(dict.fromkeys((*_REQUIRED, *chain.from_iterable(content))))
     rows = [TableRow(f"answer {n}", each) for n, each in enumerate(content, start=1)]
-    return Table([*_REQUIRED, *(name for name in names if name not in _REQUIRED)], rows, [])
+    return Table(names, rows, [])
 
 
-def _path(answer: Given, asked: dict[str, Asked]) -> Path | None:
+def _path(answer: Given, by_id: dict[str, Asked]) -> Path | None:
     """The path of an answer.
 
     None if the answer has no controls.
     """
-    if answer.id not in asked:
-        near = did_you_mean(answer.id, asked)
+    if answer.id not in by_id:
+        near = did_you_mean(answer.id, by_id)
         expected = "expected an id of the suite's instances.csv, as `dubins-study export` writes it"
         raise AnswersError(f"id is {short(answer.id)}; {near}{expected}")
     if answer.method in registered():
         raise AnswersError(f"method is {answer.method!r}, a solver of ours; expected another name")
-    scenario = asked[answer.id].scenario
-    heading = answer.start_heading
+    scenario = by_id[answer.id].scenario
     if answer.curvatures is None and answer.lengths is None:
         return None
     curvatures = answer.curvatures or []
@@ -273,8 +273,12 @@ def _path(answer: Given, asked: dict[str, Asked]) -> Path | None:
     if len(curvatures) != len(lengths):
         counts = f"curvatures has {len(curvatures)} numbers and lengths {len(lengths)}"
         raise AnswersError(f"{counts}; expected as many")
-    if (heading is None) != (scenario.heading is not None):
-        expected = "a number (rad): the start is free" if heading is None else "it empty"
-        raise AnswersError(f"start_heading is {heading}; expected {expected}")
-    start = heading if scenario.heading is None else scenario.heading
-    return Path(Pose(scenario.x, scenario.y, float(start or 0.0)), curvatures, lengths)
+    heading = scenario.heading
+    if heading is None:
+        heading = answer.start_heading
+        if heading is None:
+            expected = "expected a number (rad): the start is free"
+            raise AnswersError(f"start_heading is None; {expected}")
+    elif answer.start_heading is not None:
+        raise AnswersError(f"start_heading is {answer.start_heading}; expected it empty")
+    return Path(Pose(scenario.x, scenario.y, heading or 0.0), curvatures, lengths)  # 0.0 of -0.0

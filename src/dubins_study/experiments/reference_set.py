@@ -67,16 +67,16 @@ def export_suite(
     rows: list[dict[str, Any]] = []
     with os_errors_as(f"cannot write to {folder}"):
         folder.mkdir(parents=True, exist_ok=True)
-        for done, (id_, each) in enumerate(suite_questions.items(), start=1):
+        for done, (id_, question) in enumerate(suite_questions.items(), start=1):
             names = []
             try:
-                for end, text in texts(Question(each.scenario, each.branch)).items():
+                for end, text in texts(Question(question.scenario, question.branch)).items():
                     names.append(f"{id_}{end}")
                     (folder / names[-1]).write_text(text, encoding="utf-8")
             except ExportError as error:
                 exported.left_out[id_] = str(error)
             exported = exported._replace(files=exported.files + len(names))
-            row = _instance(id_, each, allowed) | {"files": " ".join(names)}
+            row = _instance(id_, question, allowed) | {"files": " ".join(names)}
             if row["open"] == "true":
                 exported.open.append(id_)
             rows.append(row)
@@ -89,13 +89,13 @@ def export_suite(
     return exported
 
 
-def best_known(asked: Asked, allowed: Tolerances) -> Answer:
+def best_known(question: Asked, allowed: Tolerances) -> Answer:
     """The shortest path that the check knows.
 
     It is judged, with the proven interval.
     """
-    scenario = asked.scenario
-    branch = asked.branch
+    scenario = question.scenario
+    branch = question.branch
     path = None
     if pathless_kind_of(branch) is None:
         prepare(scenario, branch)
@@ -104,23 +104,24 @@ def best_known(asked: Asked, allowed: Tolerances) -> Answer:
     return judged("the check", Question(scenario, branch), reply, allowed)
 
 
-def _instance(id_: str, asked: Asked, allowed: Tolerances) -> dict[str, Any]:
+def _instance(id_: str, question: Asked, allowed: Tolerances) -> dict[str, Any]:
     """A row of the table.
 
     Lists are numbers with spaces between them, as in files of scenarios.
     """
-    scenario = asked.scenario
-    best = best_known(asked, allowed)
+    scenario = question.scenario
+    best = best_known(question, allowed)
     low = best.reference_low
     high = best.reference_high
     is_open = False
     if low is not None and high is not None:
         is_open = high - low > allowed.gap * max(low, scenario.radius)
     row = {"id": id_} | {name: getattr(scenario, name) for name in COLUMNS}
-    row |= {"branch": asked.branch, "time_limit_s": asked.time_limit_s}
+    row |= {"branch": question.branch, "time_limit_s": question.time_limit_s}
     row |= {name: getattr(best, name) for name in _CHECKED}
     row["open"] = is_open
-    row["heading"] = "free" if scenario.heading is None else scenario.heading
+    if scenario.heading is None:
+        row["heading"] = "free"
     return {name: _cell(value) for name, value in row.items()}
 
 
@@ -131,7 +132,9 @@ def _cell(value: Any) -> str:
         return str(value).lower()
     if isinstance(value, (list, tuple)):
         return " ".join(map(repr, map(float, value)))
-    return repr(value) if isinstance(value, float) else str(value)
+    if isinstance(value, float):
+        return repr(value)
+    return str(value)
 
 
 def _table(rows: list[dict[str, Any]]) -> str:

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import logging
 import warnings
-from collections import Counter
 from collections.abc import Iterator
 from contextlib import AbstractContextManager, closing
 from itertools import chain
@@ -28,7 +27,7 @@ from dubins_study.experiments.plan.solver_description import describe_solver
 from dubins_study.experiments.provenance import machine, now, source, versions, versions_of
 from dubins_study.experiments.stages import not_asked, stages
 from dubins_study.experiments.store.folder import compact, done, locked, open_folder, prepare_folder
-from dubins_study.experiments.store.manifest_changes import RunRecord, count_cells
+from dubins_study.experiments.store.manifest_changes import RunRecord, count_by_code, count_cells
 from dubins_study.experiments.store.part_writer import PartWriter, Progress
 from dubins_study.solvers.matrix import matrix
 from dubins_study.study.rows.manifest import Definition, Manifest, RunEntry, SolverEntry
@@ -144,9 +143,13 @@ def _solve(
     cells_left = len(keys - done_keys)
     _LOG.info(
         "%s into %s: %d cells, %d of them to solve, with %s",
-        *(plan.experiment_file.name, folder, len(keys), cells_left, settings),
+        plan.experiment_file.name,
+        folder,
+        len(keys),
+        cells_left,
+        settings,
     )
-    totals = Counter((solver, digest) for _, solver, *_, digest in keys | done_keys)
+    totals = count_by_code(keys | done_keys)
     manifest, completes = count_cells(manifest, set(plan.solver_specs), totals)
     if cells_left < len(keys):
         for sentence in _other_limits(manifest, settings):
@@ -236,7 +239,9 @@ def new_manifest(
     It has the versions of some packages.
     """
     experiment = file.experiment
-    pairs = matrix() if experiment.matrix else []
+    pairs = []
+    if experiment.matrix:
+        pairs = matrix()
     return Manifest(
         experiment=Definition(
             name=file.name,

@@ -92,9 +92,10 @@ def solve(
 
         [answer] = ask_isolated(solver, profile, [question], limit)
         return answer
-    loaded = described if isinstance(described, Solver) else load(solver, profile)
+    if not isinstance(described, Solver):
+        described = load(solver, profile)
     with _ctrl_c():
-        return attempt(loaded, question, limit, allowed, spec=solver)
+        return attempt(described, question, limit, allowed, spec=solver)
 
 
 def solve_frame(

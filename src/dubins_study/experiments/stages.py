@@ -30,7 +30,9 @@ def stages(chains: list[Chain], rising: bool) -> list[list[Chain]]:
     """
     by_size: dict[int, list[Chain]] = {}
     for chain in chains:
-        size = chain[0].scenario.legs if rising else 0
+        size = 0
+        if rising:
+            size = chain[0].scenario.legs
         by_size.setdefault(size, []).append(chain)
     return [by_size[size] for size in sorted(by_size)]
 
@@ -46,9 +48,8 @@ def not_asked(folder: FilePath, unit: WorkUnit) -> tuple[WorkUnit, list[Row]]:
     for row in rows:
         sizes = solved.setdefault((row["solver"], row["label"]), {})
         legs = scenario_of(row).legs
-        sizes[legs] = sizes.get(legs, False) or (
-            row["verdict"] in (Verdict.OPTIMAL, Verdict.UNDECIDED) or row["outcome"] in _UNTOLD
-        )
+        is_solved = row["verdict"] in (Verdict.OPTIMAL, Verdict.UNDECIDED)
+        sizes[legs] = is_solved or row["outcome"] in _UNTOLD or sizes.get(legs, False)
     chains = []
     skipped = []
     for chain in unit.chains:
@@ -58,7 +59,8 @@ def not_asked(folder: FilePath, unit: WorkUnit) -> tuple[WorkUnit, list[Row]]:
         if not smaller or sizes[max(smaller)]:
             chains.append(chain)
             continue
-        message = "not asked: it found the shortest route of none with fewer legs"
-        reply = no_answer(Outcome.NOT_ASKED, message)
+        reply = no_answer(
+            Outcome.NOT_ASKED, "not asked: it found the shortest route of none with fewer legs"
+        )
         skipped += [row_of(cell, cell.question(), unit.settings, reply) for cell in chain]
     return unit._replace(chains=chains), skipped

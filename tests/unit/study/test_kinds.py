@@ -95,7 +95,7 @@ WHO_ASKS = {
     "solvers/export.py:export": _SOLVER,
     "solvers/legs.py:route_of": _SOLVER,
     "solvers/tour/places.py:empty_path": _SOLVER,
-    "asking/attempt.py:__repr__": _FIELD,
+    "asking/attempt.py:_scenario_text": _FIELD,
     "cli/solving/question.py:question_of": "it reads an option of that name",
     "conformance/answers.py:_advice": "the two discs are of one free leg",
     "experiments/isolation/pool.py:_give": "a solver is warmed up on a route only before one",

@@ -26,13 +26,18 @@ from dubins_study.study.angle import parse_angle
 from dubins_study.study.scenario import FREE
 from dubins_study.study.values import number_of_text
 
+
+def _number(written: Any) -> Any:
+    """The value, with a text read as an angle."""
+    if isinstance(written, str):
+        return parse_angle(written)
+    return written
+
+
 _Written = float | str  # a text is an angle, such as "120deg"
 Number = Annotated[
     float,
-    BeforeValidator(
-        lambda value: parse_angle(value) if isinstance(value, str) else value,
-        json_schema_input_type=_Written,
-    ),
+    BeforeValidator(_number, json_schema_input_type=_Written),
     Field(allow_inf_nan=False, strict=True),
 ]
 # None is free.
@@ -134,11 +139,18 @@ class Range(_Law):
         return low + share * (high - low)
 
 
+def as_list(written: Any) -> list[Any]:
+    """The list, or a list of one value."""
+    if isinstance(written, list):
+        return written
+    return [written]
+
+
 def _written_out(written: Any) -> Any:
     """The list of all values of an axis."""
     if isinstance(written, dict):
         return Spaced.model_validate(written).values()
-    return written if isinstance(written, list) else [written]
+    return as_list(written)
 
 
 def _radii(written: Any) -> float:
@@ -174,9 +186,10 @@ def _as_lists(value: Any) -> Any:
 
     A single list of points is that of all scenarios.
     """
-    items = value if isinstance(value, list) else [None]
-    one = all(isinstance(item, list) and item and type(item[0]) is not list for item in items)
-    return [value] if one else value
+    points = as_list(value)
+    if all(isinstance(point, list) and point and type(point[0]) is not list for point in points):
+        return [value]
+    return value
 
 
 _Coordinate = Annotated[float, Field(allow_inf_nan=False, strict=True)]
@@ -184,13 +197,13 @@ _Coordinate = Annotated[float, Field(allow_inf_nan=False, strict=True)]
 
 def _stop(written: Any, validate: ValidatorFunctionWrapHandler) -> tuple[float, ...]:
     """A via point: two coordinates, and perhaps its heading."""
+    heading = FREE
     if isinstance(written, list) and len(written) == 3:
-        *place, heading = written
-    else:
-        place = written
-        heading = FREE
-    point: tuple[float, ...] = validate(place)
-    return point if heading == FREE else (*point, parse_angle(heading))
+        *written, heading = written
+    point: tuple[float, ...] = validate(written)
+    if heading == FREE:
+        return point
+    return (*point, parse_angle(heading))
 
 
 _WrittenPoints = list[list[_Written]]

@@ -52,10 +52,9 @@ def packaged() -> list[str]:
 
 def _packaged_files() -> dict[str, Any]:
     """The package's TOML files by the experiment's name."""
-    folder = files("dubins_study.experiments")
     return {
         file.name.removesuffix(".toml"): file
-        for file in folder.iterdir()
+        for file in files("dubins_study.experiments").iterdir()
         if file.name.endswith(".toml")
     }
 

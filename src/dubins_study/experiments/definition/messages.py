@@ -38,7 +38,9 @@ def line_of(path: KeyPath, text: str) -> int | None:
         if match is None:
             break
         place = match.end() - 1
-    return text.count("\n", 0, place) + 1 if place else None
+    if not place:
+        return None
+    return text.count("\n", 0, place) + 1
 
 
 _MAX_KEY_CHARS = 120
@@ -66,7 +68,12 @@ def refusal(file: str, problems: list[Problem], text: str = "") -> str:
     """
     placed = [(line_of(path, text) or 0, sentence) for path, sentence in problems]
     placed.sort(key=lambda place: place[0])
-    lines = [f"line {n}: {sentence}" if n else sentence for n, sentence in placed]
+    lines = []
+    for number, sentence in placed:
+        if number:
+            lines.append(f"line {number}: {sentence}")
+        else:
+            lines.append(sentence)
     sentences = list(dict.fromkeys(lines))
     if len(sentences) == 1:
         return f"{file}: {sentences[0]}"
@@ -99,8 +106,10 @@ def problems_of(error: ValidationError, table_keys: TableKeys) -> list[Problem]:
 
 def _keys_beside(path: KeyPath, table_keys: TableKeys) -> Iterable[str]:
     """The keys that may stand beside a key."""
-    tables = [step for step in path[:-1] if isinstance(step, str)]
-    table = tables[-1] if tables else ""
+    table = ""
+    for step in path[:-1]:
+        if isinstance(step, str):
+            table = step
     return table_keys.get(table, ())
 
 
@@ -110,12 +119,15 @@ def _sentence(path: KeyPath, error: Any, table_keys: TableKeys) -> str:
     key = _key(path)
     if kind == "extra_forbidden":
         near = did_you_mean(path[-1], _keys_beside(path, table_keys)).rstrip()
-        return f"{key}: unknown key; {near}" if near else f"{key}: unknown key"
+        if not near:
+            return f"{key}: unknown key"
+        return f"{key}: unknown key; {near}"
     message = error["msg"].removeprefix("Value error, ").replace("Input should be", "expected")
     if kind in ("model_type", "dict_type"):
         message = "expected a table"
-    value = "" if isinstance(error["input"], dict) else f" is {short(error['input'])}"
-    return f"{key}{value}: {message:.{_MAX_MESSAGE_CHARS}}"
+    if not isinstance(error["input"], dict):
+        key += f" is {short(error['input'])}"
+    return f"{key}: {message:.{_MAX_MESSAGE_CHARS}}"
 
 
 def _key(path: KeyPath) -> str:

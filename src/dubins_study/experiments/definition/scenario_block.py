@@ -28,6 +28,7 @@ from dubins_study.experiments.definition.axes import (
     SolverSpecs,
     StrictModel,
     ViaLists,
+    as_list,
 )
 from dubins_study.study.angle import LARGEST_BARE, parse_angle
 from dubins_study.study.kinds.table import EVERY_BRANCH
@@ -73,10 +74,12 @@ def _numbers(written: Any) -> list[Any]:
 
     They may be those of a range too. The count of evenly spaced values is left out.
     """
-    if isinstance(written, dict):
-        ends = next(iter(written.values()), None)
-        return ends[:2] if isinstance(ends, list) else []
-    return written if isinstance(written, list) else [written]
+    if not isinstance(written, dict):
+        return as_list(written)
+    ends = next(iter(written.values()), None)
+    if not isinstance(ends, list):
+        return []
+    return ends[:2]
 
 
 def _check_texts(name: str, written: Any) -> None:
@@ -338,8 +341,9 @@ class Block(StrictModel):
         """
         if isinstance(self, ListedBlock):
             return self
-        ranges = {} if self.sample is None else self.sample.ranges
-        keys = self.model_fields_set.union(ranges)
+        keys = set(self.model_fields_set)
+        if self.sample is not None:
+            keys.update(self.sample.ranges)
         if self.frozen is not None:
             _refuse_beside("frozen", keys - {"frozen", *HOW_ASKED})
             return self

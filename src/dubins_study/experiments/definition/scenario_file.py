@@ -88,7 +88,7 @@ def _note_slips(file: str, scenarios: list[Scenario]) -> None:
         remarks.append(
             f"of {count} rows {copies} repeat an earlier one; each scenario is asked once"
         )
-    doubts = [doubt for each in scenarios if (doubt := doubtful_units(each))]
+    doubts = list(filter(None, map(doubtful_units, scenarios)))
     if doubts:
         remarks.append(f"in {len(doubts)} of {count} rows {doubts[0]}")
     for remark in remarks:
@@ -123,6 +123,9 @@ def text_about(scenarios: str) -> tuple[str, str, str]:
     It asks about a file of scenarios and names no solvers. The three are those of `text_of`.
     """
     name = FilePath(scenarios).stem
-    question = "How well do the chosen solvers answer these scenarios?"
-    keys = {"title": f"Scenarios of {name}", "question": question}
-    return name, scenarios, "".join(f"{key} = {json.dumps(text)}\n" for key, text in keys.items())
+    keys = {
+        "title": f"Scenarios of {name}",
+        "question": "How well do the chosen solvers answer these scenarios?",
+    }
+    text = "".join(f"{key} = {json.dumps(value)}\n" for key, value in keys.items())
+    return name, scenarios, text

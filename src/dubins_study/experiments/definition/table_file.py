@@ -46,7 +46,9 @@ def read_table(file: FilePath) -> Table:
     A name ending in `.parquet` is read as Parquet, any other as CSV in UTF-8 with commas.
     """
     try:
-        return _parquet_table(file) if file.suffix == ".parquet" else _csv_table(file)
+        if file.suffix == ".parquet":
+            return _parquet_table(file)
+        return _csv_table(file)
     except OSError as error:
         reason = error.strerror or str(error)
     except UnicodeError:
@@ -63,7 +65,9 @@ def _csv_table(file: FilePath) -> Table:
     """
     with file.open(encoding="utf-8-sig", newline="") as text:
         rows, problems = read_rows(text)
-    names = [name.strip() for name in rows[0].cells] if rows else []
+    if not rows:
+        return Table([], [], problems)
+    names = [name.strip() for name in rows[0].cells]
     table_rows = [
         TableRow(place, dict(zip_longest(names, cells, fillvalue=""))) for place, cells in rows[1:]
     ]

@@ -135,8 +135,8 @@ class _Submission:
                     raise RunError(reply.refusal)
                 if not (stopping or stop.requested):
                     # the cells that the worker has not solved come first again
-                    rest = unit.remaining({row_key(row) for row in rows})
-                    self._waiting.extendleft(reversed(rest.chains))
+                    unsolved = unit.remaining({row_key(row) for row in rows})
+                    self._waiting.extendleft(reversed(unsolved.chains))
 
     def _count_threads(self) -> None:
         if self._client.status not in ("running", "connecting"):

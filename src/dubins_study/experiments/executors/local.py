@@ -76,8 +76,9 @@ def solve_chains(
             check_code(step.cell, reply, unit.settings.executor)
             row = row_of(step.cell, job.question, unit.settings, reply)
             rows.append(row)
-            arrived = row["gap"] is not None
-            path = reply.solution.path if arrived else step.earlier_path
+            path = step.earlier_path
+            if row["gap"] is not None:  # the path of this cell arrived
+                path = reply.solution.path
             pool.put_first(_next_job(step.following, path))
         yield rows
 
@@ -98,7 +99,9 @@ def _next_job(cells: Iterator[Cell], path: Path | None) -> Iterator[Job]:
     `path` is the last path that arrived before that cell.
     """
     for cell in itertools.islice(cells, 1):
-        guess = path if cell.initial_guess == "warm" else given_guess(cell)
+        guess = given_guess(cell)
+        if cell.initial_guess == "warm":
+            guess = path
         step = _Step(cell, cells, path)
         yield Job(cell.solver, cell.profile, cell.question(guess), cell.time_limit_s, step)
 
@@ -114,7 +117,9 @@ def check_code(cell: Cell, reply: Reply, executor: str) -> None:
     # A solver that loads on the asking machine but not on the Dask worker is different code too.
     if not digest and executor == "local":
         return
-    change = f"is {digest} now" if digest else f"does not load: {reply.solution.message}"
+    change = f"is {digest} now"
+    if not digest:
+        change = f"does not load: {reply.solution.message}"
     raise RunError(
         f"the code of {cell.solver} is not what was asked: its digest was {cell.code_digest} and "
         f"{change}; its files, its settings or its libraries' versions differ"

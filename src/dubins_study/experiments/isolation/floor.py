@@ -50,7 +50,9 @@ def floor_s(solver: Solver) -> float | None:
         seconds = timer.timeit(1)
         if seconds < _QUICK_S:
             seconds = min(seconds, *timer.repeat(_REPEATS, 1))
-        return seconds if seconds < _LIMIT_S else None
+        if seconds >= _LIMIT_S:
+            return None
+        return seconds
     except Exception:  # whatever a library raises
         return None
 

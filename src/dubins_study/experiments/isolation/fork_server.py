@@ -75,8 +75,9 @@ class ForkedProcess(NamedTuple):
         The process must have ended. The code can be read once.
         """
         text = os.read(self.exit_pipe, 32)
-        # If the server itself was killed, the kernel has killed its processes.
-        return int(text) if text else -signal.SIGKILL
+        if not text:  # the server itself was killed, and the kernel has killed its processes
+            return -signal.SIGKILL
+        return int(text)
 
     def kill(self) -> None:
         """Kill the process if it has not ended.
@@ -205,7 +206,9 @@ def _forked(message: list[Any]) -> ForkedProcess:
             process_ends.callback(os.close, pipe)
         _server.request([exit_end, output_end, line_end.fileno()])
         process_ends.close()
-        pid = os.read(exit_pipe, 8) if _readable(exit_pipe, _START_UP_S) else b""
+        pid = b""
+        if _readable(exit_pipe, _START_UP_S):
+            pid = os.read(exit_pipe, 8)
         if not pid:
             raise ConnectionError("it ended, or hangs")
         channel = Channel(line)
@@ -225,7 +228,9 @@ def _search_path() -> list[str]:
     """
     entries = [os.path.abspath(entry) for entry in sys.path if entry]  # noqa: PTH100
     entries = [entry for entry in entries if entry != os.getcwd()]  # noqa: PTH109
-    return entries if _PACKAGE_FOLDER in entries else [*entries, _PACKAGE_FOLDER]
+    if _PACKAGE_FOLDER not in entries:
+        entries.append(_PACKAGE_FOLDER)
+    return entries
 
 
 # The server's own process.

@@ -40,7 +40,6 @@ GRACE_S = 0.1
 _LOADING = Allowance(60.0, activity="loading the solver")
 # Seconds that a warm-up may take beyond the time limit: it loads libraries for later solves.
 _WARM_UP_S = 10.0
-_LEG_ROUTE = (False, True)  # whether the question of a warm-up is a route
 _PROBING = Allowance(60.0, activity="measuring its speed")
 # A worker gets jobs in advance, so that it never waits for its pool. It gets one more if its jobs
 # are expected to take less than `AHEAD_S`, and has at most `_AHEAD_JOBS`.
@@ -101,9 +100,9 @@ def worker_group(solver: str) -> str:
     worker that is killed takes its loaded solvers with it, and loading a hundred takes half a
     minute. So is each plug-in, since it may have changed any module of its process.
     """
-    if not ours(solver):
-        return solver
-    return "" if load(solver).keeps_limit else solver
+    if ours(solver) and load(solver).keeps_limit:
+        return ""
+    return solver
 
 
 def _solves(task: Task) -> bool:
@@ -206,7 +205,9 @@ class WorkerPool:
             results = self._feed()
             if not (results or any(worker.pending for worker in self._workers)):
                 return
-            timeout_s = 0.0 if results else POLL_INTERVAL_S
+            timeout_s = POLL_INTERVAL_S
+            if results:
+                timeout_s = 0.0
             for worker, event in wait([*self._workers], timeout_s):
                 if isinstance(event, Ended):
                     results += self._ended(worker, event)
@@ -264,9 +265,9 @@ class WorkerPool:
         if len(self._workers) < self._most_workers:
             return self._start(group)
         candidates = [
-            each
-            for each in self._workers
-            if each.group == group and len(each.pending) < _AHEAD_JOBS
+            worker
+            for worker in self._workers
+            if worker.group == group and len(worker.pending) < _AHEAD_JOBS
         ]
         first = min(candidates, key=self._expected_left_s, default=None)
         if first is None or self._expected_left_s(first) >= AHEAD_S:
@@ -308,11 +309,13 @@ class WorkerPool:
         if key not in worker.loaded:
             worker.loaded.add(key)
             worker.put(["load", *key], _LOADING, job)
-        for route in _LEG_ROUTE if job.question.scenario.via else _LEG_ROUTE[:1]:
+        warm_ups = {False: "warming up on a leg"}  # by whether the question is a route
+        if job.question.scenario.via:
+            warm_ups[True] = "warming up on a route"
+        for route, activity in warm_ups.items():
             if self._warm_up and (key, route) not in worker.warmed | self._without_warm_up:
                 worker.warmed.add((key, route))
                 message = [_WARM_UP, *key, route, limit_s, self._probed is not None]
-                activity = "warming up on a route" if route else "warming up on a leg"
                 worker.put(message, Allowance(limit_s + _WARM_UP_S, activity=activity), job)
         message = [_SOLVE, *key, encode_question(job.question), limit_s]
         worker.put(message, Allowance(limit_s, margin_s=GRACE_S), job)
@@ -337,7 +340,8 @@ class WorkerPool:
 
         The reply to the job that it was solving is returned, if there is one.
         """
-        reply, task = ended
+        reply = ended.reply
+        task = ended.task
         self._remove(worker)
         if task is None or task.tag is None:
             self._false_starts += 1
@@ -349,8 +353,7 @@ class WorkerPool:
         self._false_starts = 0
         key = task.tag.solver_key
         if task.message[0] == _WARM_UP:  # load the solver again, without this warm-up
-            route = task.message[3]
-            self._without_warm_up.add((key, route))
+            self._without_warm_up.add((key, task.message[3]))  # on a leg, or on a route
             return []
         if task.allowance is _LOADING:
             solution = reply.solution

@@ -112,7 +112,6 @@ class ProcessState:
         self._max_leak = _MAX_LEAK_SHARE * memory_limit
         self._process = psutil.Process()
         self._modules = 0
-        self._libraries = ThreadpoolController()
         self.accept()
 
     def accept(self) -> None:
@@ -137,7 +136,10 @@ class ProcessState:
             return [name for name, value in state.items() if value != self._accepted[name]]
         if self._threads_changed():
             return ["thread counts of numerical libraries"]
-        return ["memory or files"] if self._leaks() else []
+        resident, files = self._leakable()
+        if resident - self._resident > self._max_leak or files - self._files > _MAX_OPEN_FILES:
+            return ["memory or files"]
+        return []
 
     def _pin_new_libraries(self) -> None:
         """Limit newly loaded libraries to one thread.
@@ -154,10 +156,6 @@ class ProcessState:
         changed = any((library.num_threads or THREADS) != THREADS for library in libraries)
         self._pin_new_libraries()  # only now: a library that the solve loaded may use any number
         return changed
-
-    def _leaks(self) -> bool:
-        resident, files = self._leakable()
-        return resident - self._resident > self._max_leak or files - self._files > _MAX_OPEN_FILES
 
     def _leakable(self) -> tuple[int, int]:
         """Resident bytes and open files of this process.

@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from dubins_study.asking.reply import Reply, ask, exception_text, no_answer
+from dubins_study.asking.reply import Reply, ask, raised_answer
 from dubins_study.experiments.code_digest import code_digest
 from dubins_study.experiments.isolation.messages import Channel, decode_question, encode_reply
 from dubins_study.experiments.isolation.process_state import (
@@ -29,7 +29,7 @@ from dubins_study.experiments.provenance import now, versions
 from dubins_study.solvers.protocol import Question, Solver
 from dubins_study.solvers.registry import load, ours, reported_versions, unavailable
 from dubins_study.study.scenario import Scenario
-from dubins_study.study.words import VIA_POINTS, Outcome
+from dubins_study.study.words import VIA_POINTS
 
 # Size of the calibration probe, half of it plain Python and half numpy on small arrays: loops,
 # operations on arrays, repeats.
@@ -112,8 +112,10 @@ class _Worker:
         key = spec, profile
         if key not in self._refused:
             try:
-                loaded = _warmed_up(self._solvers[key], *warm_up) if warm_up else _load(*key)
-                self._solvers[key] = loaded
+                if warm_up:
+                    self._solvers[key] = _warmed_up(self._solvers[key], *warm_up)
+                else:
+                    self._solvers[key] = _load(*key)
             except BaseException as error:  # a plug-in may raise anything
                 self._refused[key] = _failure(error, *key)
         self._state.accept()
@@ -138,8 +140,7 @@ class _Worker:
 
 def _failure(error: BaseException, spec: str, profile: str) -> Reply:
     """The reply of a solver that raised outside `ask`."""
-    outcome = Outcome.OUT_OF_MEMORY if isinstance(error, MemoryError) else Outcome.RAISED
-    reply = no_answer(outcome, exception_text(error))
+    reply = raised_answer(error)
     return reply._replace(started=now(), code_digest=_digest(spec, profile))
 
 
@@ -189,8 +190,9 @@ def _reply(loaded: _LoadedSolver, encoded: list[Any], time_limit: float) -> Repl
     before = peak_kib(reset=True)
     started = now()
     reply = ask(loaded.solver, question, time_limit)
-    peak = peak_kib() if before else 0
-    memory_mib = (peak - before) / _KIB_PER_MIB if peak else None
+    memory_mib = None
+    if before and (peak := peak_kib()):
+        memory_mib = (peak - before) / _KIB_PER_MIB
     return reply._replace(
         started=started,
         versions=loaded.versions,

@@ -163,7 +163,9 @@ class WorkerProcess:
         elif reply is None and monotonic() - self._checked_s >= POLL_INTERVAL_S:
             reply = self._broken_limit()
         if reply is not None:
-            task = self.pending[0] if self.pending and self._begun else None
+            task = None
+            if self.pending and self._begun:
+                task = self.pending[0]
             self.close()
             yield Ended(reply, task)
 
@@ -195,12 +197,14 @@ class WorkerProcess:
         self._checks += 1
         seconds = now_s - self._since_s
         if self.pending:
-            allowance = self.pending[0].allowance if self._begun else _WAKING
+            allowance = _WAKING
+            if self._begun:
+                allowance = self.pending[0].allowance
             limit_s, margin_s, activity = allowance
             if seconds > limit_s + margin_s:
                 message = f"stopped after {seconds:.2f} s; the limit is {limit_s:g} s"
                 if margin_s > 1:  # more than an answer needs to arrive
-                    message = f"{message}, beyond which {margin_s:g} s were allowed"
+                    message += f", beyond which {margin_s:g} s were allowed"
                 if activity:
                     message = f"stopped after {seconds:.0f} s of {activity}"
                 return no_answer(Outcome.TIMEOUT, message, Times(wall_s=seconds))
@@ -221,15 +225,17 @@ class WorkerProcess:
         status = f"exit {code}"
         message = f"its process ended itself with code {code}"
         if code < 0:
-            has_name = -code in {*signal.Signals}
-            status = signal.Signals(-code).name if has_name else f"signal {-code}"
+            status = f"signal {-code}"
+            with suppress(ValueError):  # a signal without a name
+                status = signal.Signals(-code).name
             message = f"its process was ended by {status}"
         output = self.last_output()
         if output:
-            message = f"{message}; its last output: {output}"
+            message += f"; its last output: {output}"
+        outcome = Outcome.CRASHED
         # C++ ends a process in this way if it cannot allocate memory.
-        starved = code == -signal.SIGABRT and "bad_alloc" in output
-        outcome = Outcome.OUT_OF_MEMORY if starved else Outcome.CRASHED
+        if code == -signal.SIGABRT and "bad_alloc" in output:
+            outcome = Outcome.OUT_OF_MEMORY
         return no_answer(outcome, message, status=status)
 
     def last_output(self) -> str:
@@ -279,7 +285,9 @@ def _used_bytes(pid: int, limit: float, *, with_children: bool) -> int:
     """
     try:
         process = psutil.Process(pid)
-        family = [process, *process.children(recursive=True)] if with_children else [process]
+        family = [process]
+        if with_children:
+            family += process.children(recursive=True)
     except psutil.Error:
         return 0
     used = 0

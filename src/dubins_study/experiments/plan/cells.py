@@ -66,9 +66,11 @@ class BlockPlan(NamedTuple):
         They are `cold`, `warm`, or z1, z2, z3.
         """
         lengths = self.block.guess_lengths
-        if lengths is not None:
-            return lengths.axes if solver.warm else [[]]
-        return [[guess for guess in self.initial_guesses if solver.warm or guess == "cold"]]
+        if lengths is None:
+            return [[guess for guess in self.initial_guesses if solver.warm or guess == "cold"]]
+        if not solver.warm:
+            return [[]]
+        return lengths.axes
 
     def guess_count(self, solver: SolverDescription) -> int:
         """Number of initial guesses of a solver.
@@ -88,7 +90,9 @@ def block_plans(
     plans: list[BlockPlan] = []
     problems: list[Problem] = []
     for number, block in enumerate(experiment.blocks):
-        path: KeyPath = ("scenarios", number) if number < len(experiment.scenarios) else ("first",)
+        path: KeyPath = ("scenarios", number)
+        if number >= len(experiment.scenarios):
+            path = ("first",)
         profile = experiment.profile
         patterns = block.solvers or experiment.solvers
         specs = expand_solvers(patterns, profile)
@@ -232,7 +236,9 @@ def _add_sweep(sweeps: dict[Key, str], keys: tuple[Key, ...], block_key: str) ->
     Each has one predecessor, so it may be in one sweep only.
     """
     for place, key in enumerate(keys):
-        other = "itself" if key in keys[:place] else sweeps.get(key)
+        other = sweeps.get(key)
+        if key in keys[:place]:
+            other = "itself"
         if other is not None:
             raise ExperimentError(
                 f"{block_key}, scenario {place}: already swept by {other}; expected every "

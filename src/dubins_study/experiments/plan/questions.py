@@ -49,8 +49,8 @@ def questions(experiment: Experiment) -> dict[str, Asked]:
     for number, block in enumerate(experiment.scenarios):
         branches = block.branches or experiment.branches
         limit = block.time_limit_s or experiment.time_limit_s
-        every = asked_scenarios(block, f"scenarios.{number}", branches)
-        for scenario, branch in product(every, branches):
+        block_scenarios = asked_scenarios(block, f"scenarios.{number}", branches)
+        for scenario, branch in product(block_scenarios, branches):
             id_ = f"{scenario_id(scenario)}-{branch}"
             earlier = by_id.get(id_, Asked(scenario, branch, limit))
             by_id[id_] = earlier._replace(time_limit_s=max(limit, earlier.time_limit_s))

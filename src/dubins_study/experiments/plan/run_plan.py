@@ -98,8 +98,9 @@ class Request(NamedTuple):
             "--time-limit": self.time_limit,
             "--memory-limit": self.memory_limit,
             "--repeats": self.repeats,
-            "--executor": self.executor if self.executor != "local" else None,
         }
+        if self.executor != "local":
+            options["--executor"] = self.executor
         for option, value in options.items():
             if value:
                 arguments += [option, str(value)]
@@ -115,32 +116,32 @@ class Request(NamedTuple):
         executor = self.executor
         scheduler = self.scheduler
         is_name = isinstance(name, str | FilePath)
-        problem = None
         if listed is not None and not is_name and self.solvers is None:
-            problem = (
+            raise ExperimentError(
                 f"scenarios is {str(listed)!r}, without solvers; expected solvers "
                 "(--solver ipopt) or an experiment whose solvers are asked"
             )
-        elif not is_name and (listed is None or name is not None):
-            problem = f"experiment is {name!r}; expected a name or the path of a .toml file"
-        elif not isinstance(jobs, int) or isinstance(jobs, bool) or jobs < 1:
-            problem = f"jobs is {jobs!r}; expected a whole number of processes above 0"
-        elif executor not in _EXECUTOR_NAMES:
+        if not is_name and (listed is None or name is not None):
+            raise ExperimentError(
+                f"experiment is {name!r}; expected a name or the path of a .toml file"
+            )
+        if not isinstance(jobs, int) or isinstance(jobs, bool) or jobs < 1:
+            raise ExperimentError(f"jobs is {jobs!r}; expected a whole number of processes above 0")
+        if executor not in _EXECUTOR_NAMES:
             near = did_you_mean(executor, _EXECUTOR_NAMES)
-            expected = f"{near}expected one of: {', '.join(_EXECUTOR_NAMES)}"
-            problem = f"executor is {executor!r}; {expected}"
-        elif bool(scheduler) != (executor == "dask"):
-            problem = (
+            raise ExperimentError(
+                f"executor is {executor!r}; {near}expected one of: {', '.join(_EXECUTOR_NAMES)}"
+            )
+        if bool(scheduler) != (executor == "dask"):
+            raise ExperimentError(
                 f"scheduler is {scheduler!r} and executor {executor!r}; expected executor 'dask' "
                 "and the address of a scheduler, such as tcp://127.0.0.1:8786, or neither"
             )
-        elif scheduler is not None and jobs != 1:
-            problem = (
+        if scheduler is not None and jobs != 1:
+            raise ExperimentError(
                 f"jobs is {jobs}; how many cells are solved side by side is for the cluster of "
                 f"scheduler {scheduler!r} to say, so leave it out"
             )
-        if problem is not None:
-            raise ExperimentError(problem)
 
 
 class RunPlan(NamedTuple):
@@ -177,7 +178,9 @@ def plan_run(request: Request) -> RunPlan:
     cell_chains = chains(file.experiment, file.path, file.text)
     if request.executor == "local":
         _refuse_unavailable(request.solvers or (), file.experiment.profile)
-    folder = FilePath("results") / file.name if request.out is None else FilePath(request.out)
+    folder = FilePath("results") / file.name
+    if request.out is not None:
+        folder = FilePath(request.out)
     return RunPlan(file, folder, cell_chains)
 
 
@@ -200,12 +203,16 @@ def _about_a_file(listed_in: str, request: Request, changes: dict[str, Any]) -> 
     listed = read_scenarios(listed_in)
     name = FilePath(listed_in).stem
     about = request.experiment
-    source = text_about(listed_in) if about is None else text_of(str(about))
+    source = text_about(listed_in)
+    if about is not None:
+        source = text_of(str(about))
     defaults = {"scenarios": [ListedBlock(listed=listed)]}
     file = _checked(source, request.trust_plugins, changes, defaults)
     title = file.experiment.title
+    if about is not None:
+        title = f"{title}: scenarios of {name}"
     replaced = {
-        "title": title if about is None else f"{title}: scenarios of {name}",
+        "title": title,
         "scenarios": _listed_blocks(listed, file),
         "first": None,
         "section": None,
@@ -246,13 +253,16 @@ def _listed_blocks(listed: list[Scenario], file: ExperimentFile) -> list[ListedB
         if common:
             blocks.append(ListedBlock(listed=common, **settings[number]))
         of_experiment |= of_block
-    rest = [scenario for scenario in listed if scenario not in of_experiment]
-    if rest:
-        blocks.append(ListedBlock(listed=rest))
+    unmatched = [scenario for scenario in listed if scenario not in of_experiment]
+    if unmatched:
+        blocks.append(ListedBlock(listed=unmatched))
         _LOG.warning(
             "dubins-study: %d of %d scenarios are none of %s; they are asked with its general "
             "settings (time_limit_s = %g)",
-            *(len(rest), len(listed), file.name, experiment.time_limit_s),
+            len(unmatched),
+            len(listed),
+            file.name,
+            experiment.time_limit_s,
         )
     return blocks
 
@@ -280,17 +290,20 @@ def _checked(
     if "solvers" in changes:
         fields.pop("first", None)
     blocks = fields.get("scenarios")
-    for block in blocks if isinstance(blocks, list) else ():
+    if not isinstance(blocks, list):
+        blocks = []
+    for block in blocks:
         for key in {"solvers", "time_limit_s"} & changes.keys():
             if isinstance(block, dict):
                 block.pop(key, None)
     profile = fields.get("profile")
     if not isinstance(profile, str) or profile not in PROFILES:
         profile = "default"
-    check = partial(check_spec, profile=profile, trust_plugins=trust_plugins)
+    check = None
+    if "solvers" not in changes:
+        check = partial(check_spec, profile=profile, trust_plugins=trust_plugins)
     try:
-        context = None if "solvers" in changes else check
-        experiment = Experiment.model_validate(fields, context=context)
+        experiment = Experiment.model_validate(fields, context=check)
     except ValidationError as error:
         raise ExperimentError(_mistakes(error, path, text, changes)) from None
     if "solvers" in changes:
@@ -304,5 +317,5 @@ def _mistakes(error: ValidationError, path: str, text: str, changes: Mapping[str
     Those of the file are named only if the request has none.
     """
     problems = problems_of(error, TABLE_KEYS)
-    requested = [each.sentence for each in problems if {*each.path[:1]} & changes.keys()]
+    requested = [each.sentence for each in problems if each.path and each.path[0] in changes]
     return "; ".join(requested) or refusal(path, problems, text)

@@ -66,8 +66,10 @@ def block_size(block: Block) -> int:
     """How many scenarios a block has."""
     if (listed := _listed(block)) is not None:
         return len(listed)
-    draws = 1 if block.drawn is None else block.drawn.size
-    return draws * math.prod(map(len, _axes(block).values()))
+    size = math.prod(map(len, _axes(block).values()))
+    if block.drawn is None:
+        return size
+    return block.drawn.size * size
 
 
 def scenarios(block: Block, key: str) -> Iterator[Scenario]:
@@ -79,12 +81,12 @@ def scenarios(block: Block, key: str) -> Iterator[Scenario]:
     if (listed := _listed(block)) is not None:
         yield from listed
         return
-    same: Fields = {"label": block.label, "order": block.order, "closed": block.closed}
+    shared: Fields = {"label": block.label, "order": block.order, "closed": block.closed}
     if block.tour is not None:
-        same |= {"order": Order.FREE, "closed": block.tour.closed}
+        shared |= {"order": Order.FREE, "closed": block.tour.closed}
     for place, fields in enumerate(_combinations(block)):
         try:
-            scenario = Scenario(**fields, **same, _radians=True)
+            scenario = Scenario(**fields, **shared, _radians=True)
         except ScenarioError as error:
             raise ExperimentError(f"{key}, scenario {place}: {error}") from None
         yield scenario
@@ -162,7 +164,9 @@ def _samples(sample: Sample) -> Iterator[Draw]:
     """
     from scipy.stats import qmc  # takes half a second; most experiments have no sample
 
-    engine = qmc.Sobol if sample.method == "sobol" else qmc.LatinHypercube
+    engine = qmc.LatinHypercube
+    if sample.method == "sobol":
+        engine = qmc.Sobol
     points = engine(len(sample.ranges), rng=np.random.default_rng(sample.seed))
     with warnings.catch_warnings():
         # scipy warns if the number of points is not a power of 2, which is the author's choice
@@ -214,8 +218,9 @@ def _tours(tour: Tour) -> Iterator[Draw]:
                 points = (places[1:] - places[0]).tolist()
             else:
                 points = field_points(tour.field, rng, n, density).tolist()
-            heading = 2 * math.pi * rng.random()
-            fields = {"heading": None if tour.heading == "free" else heading}
+            fields: Fields = {"heading": 2 * math.pi * rng.random()}
+            if tour.heading == "free":
+                fields["heading"] = None
             yield Draw(fields, points, tour.to_target)
 
 

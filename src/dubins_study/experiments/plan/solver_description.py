@@ -9,7 +9,6 @@ hang, crash, or change its process.
 
 from __future__ import annotations
 
-import itertools
 import sys
 from contextlib import closing
 from functools import cache
@@ -69,7 +68,7 @@ def describe_solver(spec: str, profile: str = "default") -> SolverDescription:
     """
     if ours(spec):
         return _describe(spec, profile)
-    event = _asked_apart("description", spec, profile, _LOADING)
+    event = _ask_apart("description", spec, profile, _LOADING)
     if isinstance(event, Ended):
         raise SolverError(f"solver {spec!r}: while it was loaded, {event.reply.solution.message}")
     fields, message = event.value
@@ -88,21 +87,25 @@ def why_unavailable(spec: str, profile: str = "default") -> str | None:
     """
     if ours(spec):
         return _availability(spec, profile)
-    event = _asked_apart("availability", spec, profile, _ASKING)
-    return None if isinstance(event, Ended) else event.value
+    event = _ask_apart("availability", spec, profile, _ASKING)
+    if isinstance(event, Ended):
+        return None
+    return event.value
 
 
-def _asked_apart(what: str, spec: str, profile: str, allowance: Allowance) -> Answered | Ended:
+def _ask_apart(topic: str, spec: str, profile: str, allowance: Allowance) -> Answered | Ended:
     """Answer of a plug-in's process about the plug-in."""
     with closing(WorkerProcess(f"{__name__}:serve_plugin", [], sys.maxsize)) as worker:
-        return worker.request([what, spec, profile], allowance)
+        return worker.request([topic, spec, profile], allowance)
 
 
 def _describe(spec: str, profile: str) -> SolverDescription:
     solver = load(spec, profile)
     # a plug-in inherits no promise: its changes of one of our solvers may break it
     promises = ours(spec) or "keeps_limit" in vars(type(solver))
-    runs = None if solver.runs is None else str(solver.runs)
+    runs = solver.runs
+    if runs is not None:
+        runs = str(runs)
     return SolverDescription(
         spec=canonical(spec, profile),
         method=stated_method(solver),
@@ -149,9 +152,13 @@ def expand_solvers(specs: list[str], profile: str = "default") -> list[str]:
 
     `*` and `{a,b}` are expanded.
     """
-    lists = (registered() if spec == "*" else written_out(spec) for spec in specs)
-    names = itertools.chain.from_iterable(lists)
-    return list(dict.fromkeys(describe_solver(name, profile).spec for name in names))
+    expanded: list[str] = []
+    for spec in specs:
+        names = written_out(spec)
+        if spec == "*":
+            names = registered()
+        expanded += [describe_solver(name, profile).spec for name in names]
+    return list(dict.fromkeys(expanded))
 
 
 def check_spec(spec: str, profile: str, *, trust_plugins: bool) -> None:
@@ -161,8 +168,10 @@ def check_spec(spec: str, profile: str, *, trust_plugins: bool) -> None:
     refused unless they are trusted, since the file may come from anyone; none of them is loaded
     before.
     """
+    if spec == "*":
+        return
     try:
-        for name in [] if spec == "*" else written_out(spec):
+        for name in written_out(spec):
             if not trust_plugins and _untrusted(name, profile):
                 raise SolverError(f"{name} {_UNTRUSTED}")
             describe_solver(name, profile)

@@ -78,7 +78,9 @@ def lock_holder(folder: FilePath) -> dict[str, object]:
         content = json.loads((folder / LOCK).read_text(encoding="utf-8"))
     except (OSError, ValueError):
         return {}
-    return content if isinstance(content, dict) else {}
+    if not isinstance(content, dict):
+        return {}
+    return content
 
 
 def is_locked(folder: FilePath) -> bool:
@@ -108,8 +110,11 @@ def prepare_folder(folder: FilePath) -> None:
     with os_errors_as(f"cannot write to {folder}"):
         if folder.exists() and not (folder / MANIFEST).exists():
             # A run that is killed before its first manifest may leave a lock and an empty folder.
-            others = [f for f in folder.iterdir() if f.name not in (LOCK, PARTS)]
-            others = [f for f in others if not f.name.endswith(TEMPORARY)]
+            others = [
+                file
+                for file in folder.iterdir()
+                if file.name not in (LOCK, PARTS) and not file.name.endswith(TEMPORARY)
+            ]
             if others or part_files(folder):
                 raise ResultsError(f"{folder} holds other files and no {MANIFEST}; choose another")
         folder.mkdir(parents=True, exist_ok=True)
@@ -125,11 +130,11 @@ def open_folder(folder: FilePath, manifest: Manifest, restart: bool) -> tuple[Ma
     with os_errors_as(f"cannot write to {folder}"):
         if (folder / MANIFEST).exists() and not restart:
             earlier = read_manifest(folder)
-            for key, what in (("name", "experiment"), ("text", "text of experiment")):
-                value = getattr(earlier.experiment, key)
-                if value != getattr(manifest.experiment, key):
+            for field, title in (("name", "experiment"), ("text", "text of experiment")):
+                value = getattr(earlier.experiment, field)
+                if value != getattr(manifest.experiment, field):
                     raise ResultsError(
-                        f"{folder} holds results of another {what} ({value!r:.60}), not of "
+                        f"{folder} holds results of another {title} ({value!r:.60}), not of "
                         f"{manifest.experiment.name!r:.60} as it is now; choose another --out, or "
                         "--restart to throw them away"
                     )
@@ -160,8 +165,9 @@ def _mend(folder: FilePath) -> list[str]:
             check_part(part)
         except DamagedPartError:
             damaged.append(part)
-    for file in (*folder.glob(f".*{TEMPORARY}"), *(folder / PARTS).glob(f".*{TEMPORARY}")):
-        file.unlink()
+    for parent in (folder, folder / PARTS):
+        for file in [*parent.glob(f".*{TEMPORARY}")]:
+            file.unlink()
     for part in damaged:
         with os_errors_as(f"cannot move {part} to {place}"):
             place.mkdir(exist_ok=True)
@@ -201,7 +207,9 @@ def read_rows(
     # The first row per key: a run that is killed while it unites parts leaves duplicates.
     numbered = table.select(names(KEY)).append_column("row", pa.array(range(len(table))))
     first = numbered.group_by(names(KEY)).aggregate([("row", "min")])["row_min"]
-    return table if len(first) == len(table) else table.take(first.combine_chunks().sort())
+    if len(first) == len(table):
+        return table
+    return table.take(first.combine_chunks().sort())
 
 
 def compact(folder: FilePath, run_id: str) -> None:

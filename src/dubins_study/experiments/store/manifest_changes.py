@@ -6,7 +6,8 @@ It holds the number of its cells and the entry of the current run.
 from __future__ import annotations
 
 import json
-from collections.abc import Collection, Mapping
+from collections import Counter
+from collections.abc import Collection, Iterable, Mapping
 from contextlib import suppress
 from pathlib import Path as FilePath
 from time import monotonic
@@ -16,6 +17,7 @@ from dubins_study.experiments import provenance
 from dubins_study.experiments.store.part_writer import write_whole
 from dubins_study.study.rows.manifest import MANIFEST, Manifest, Probe, RunEntry
 from dubins_study.study.rows.parts import ResultsError, os_errors_as
+from dubins_study.study.rows.schema import Key
 
 # States of a run. A manifest never holds `killed`: the entry of a killed run stays `running`.
 RUNNING = "running"
@@ -42,6 +44,11 @@ def write_manifest(folder: FilePath, manifest: Manifest) -> None:
         write_whole(folder / MANIFEST, lambda file: file.write_bytes(encoded))
 
 
+def count_by_code(keys: Iterable[Key]) -> Counter[tuple[str, str]]:
+    """Number of cells by spec and code digest."""
+    return Counter((spec, digest) for _, spec, *_, digest in keys)
+
+
 def count_cells(
     manifest: Manifest, requested: Collection[str], rows: Mapping[tuple[str, str], int]
 ) -> tuple[Manifest, bool]:
@@ -56,7 +63,9 @@ def count_cells(
     complete = True
     for spec, entry in manifest.solvers.items():
         present = rows.get((spec, entry.code_digest), 0)
-        cells = present if spec in requested else max(present, entry.cells)
+        cells = present
+        if spec not in requested:
+            cells = max(present, entry.cells)
         solvers[spec] = entry.with_changes(cells=cells)
         complete = complete and cells <= present
     total = sum(entry.cells for entry in solvers.values())

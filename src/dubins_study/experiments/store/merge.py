@@ -40,7 +40,8 @@ def merged_rows(
     """
     table = pa.concat_tables(tables)
     rows = table.select(COLUMNS).to_pandas()
-    rows["folder"] = np.repeat([str(folder) for folder in folders], [len(each) for each in tables])
+    sizes = [len(each) for each in tables]
+    rows["folder"] = np.repeat([str(folder) for folder in folders], sizes)
     rows = rows.sort_values("started", kind="stable")
     first_rows, pairs = compare_attempts(rows, names(KEY))
     if pairs.empty:
@@ -51,10 +52,12 @@ def merged_rows(
         lines = [_contradiction(pairs.loc[i], differ.loc[i]) for i in cells[:_MAX_LISTED]]
         if len(cells) > _MAX_LISTED:
             lines.append(f"and {len(cells) - _MAX_LISTED} more")
-        plural = "" if len(cells) == 1 else "s"
+        count = "1 cell"
+        if len(cells) > 1:
+            count = f"{len(cells)} cells"
+        listed = "\n  ".join(lines)
         raise ResultsError(
-            f"the folders contradict each other in {len(cells)} cell{plural}; nothing was "
-            "merged:\n  " + "\n  ".join(lines)
+            f"the folders contradict each other in {count}; nothing was merged:\n  {listed}"
         )
     copies = (pairs["run_id"] == pairs["run_id_kept"]) & (pairs["started"] == pairs["started_kept"])
     positions = np.sort(rows.index.to_numpy()[first_rows])

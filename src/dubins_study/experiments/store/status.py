@@ -5,7 +5,6 @@ Cells that are done, left and failing are counted, and the time left is estimate
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path as FilePath
@@ -114,11 +113,15 @@ def _status(
         if entry.cells > done.get(spec, 0)
     }
     runs = _runs(manifest.runs, live)
-    jobs = runs[-1].jobs if runs else 1
+    jobs = 1
+    if runs:
+        jobs = runs[-1].jobs
     waiting = sum(left.values())
-    seconds_left = float(current["wall_s"].mean()) * waiting / jobs if waiting else 0.0
-    pid = lock_holder(folder).get("pid", 0) if live else None
-    time_left = None if math.isnan(seconds_left) else seconds_left
+    seconds_left: float | None = 0.0
+    if waiting:
+        seconds_left = None
+        if len(current):
+            seconds_left = float(current["wall_s"].mean()) * waiting / jobs
     return Status(
         folder=str(folder),
         cells=manifest.cells,
@@ -131,11 +134,20 @@ def _status(
         damaged=damaged,
         aside=len(list((folder / DAMAGED).glob("*.parquet"))),
         finished=bool(manifest.finished) and not live and not left,
-        process=pid if pid is None or isinstance(pid, int) else 0,
+        process=_process(folder, live),
         jobs=jobs,
-        seconds_left=time_left,
+        seconds_left=seconds_left,
         runs=runs,
     )
+
+
+def _process(folder: FilePath, live: bool) -> int | None:
+    if not live:
+        return None
+    pid = lock_holder(folder).get("pid")
+    if not isinstance(pid, int):
+        return 0
+    return pid
 
 
 def _counts(values: pd.Series[str]) -> dict[str, int]:
@@ -147,8 +159,11 @@ def _runs(runs: Sequence[RunEntry], live: bool) -> list[RunEntry]:
 
     A run that ended without writing its final state is `killed`, its time unknown.
     """
-    ended = [
-        run.with_changes(state=KILLED, seconds=None) if run.state == RUNNING else run
-        for run in (runs[:-1] if live else runs)
-    ]
-    return [*ended, *runs[len(ended) :]]
+    ended = runs
+    if live:
+        ended = runs[:-1]
+    shown = [*runs]
+    for place, run in enumerate(ended):
+        if run.state == RUNNING:
+            shown[place] = run.with_changes(state=KILLED, seconds=None)
+    return shown
