@@ -99,8 +99,11 @@ def _read_features(
     kind = next((name for name in kinds if name in passed), kinds[0])
 
     def read(feature: Any) -> Iterator[MissionPoint]:
-        properties = {} if kind == "LineString" else feature.get("properties") or {}
+        properties = feature.get("properties") or {}
+        if kind == "LineString":  # its name is not that of its points
+            properties = {}
         for position in _positions(_geometry(feature)["coordinates"]):
+            # a position may have its own altitude
             x, y, altitude = [*position, properties.get("altitude")][:3]
             yield point_of({**properties, "x": x, "y": y, "altitude": altitude}, compass)
 
