@@ -46,8 +46,10 @@ def report(
 
     with output.steps("report") as step:
         page = render(folders, out=out, progress=step)
-    text = report_json(page) if as_json else report_text(page)
-    print(text)
+    if as_json:
+        print(report_json(page))
+    else:
+        print(report_text(page))
 
 
 def _summary(page: FilePath) -> pd.DataFrame:
