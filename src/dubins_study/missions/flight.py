@@ -189,6 +189,7 @@ class Flight:
         """
         points = dict(enumerate(self.mission.points))
         if self.mission.home is not None and not self.mission.above_home:
+            # the path starts there, and a closed one ends there
             points |= {-1: self.mission.home, len(points): self.mission.home}
         marks = []
         for length, place in [(0.0, -1), *self._passed]:

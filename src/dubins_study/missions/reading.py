@@ -113,10 +113,11 @@ def point_of(fields: Mapping[str, Any], compass: bool = False) -> MissionPoint:
         raise MissionError(f"x,y is {text!r:.60}; expected two numbers")
     present = {name: value for name, value in fields.items() if value not in (None, "")}
     values: dict[str, Any] = {"name": plain(str(present.get("name", "")).strip())}
-    for name in present.keys() & {"altitude", "speed"}:
-        values[name] = number_of(present[name])
-        if math.isnan(values[name]):
-            raise MissionError(f"{name} is {short(present[name])}; expected a number")
+    for name in ("altitude", "speed"):
+        if name in present:
+            values[name] = number_of(present[name])
+            if math.isnan(values[name]):
+                raise MissionError(f"{name} is {short(present[name])}; expected a number")
     if present.get("heading", FREE) != FREE:
         with at("heading"):
             values["heading"] = heading_of(str(present["heading"]), compass)
