@@ -76,8 +76,8 @@ def report_json(page: FilePath) -> str:
     The summary has the columns of tables/summary.csv.
     """
     frame = _summary(page)
-    rows = frame.astype(object).where(frame.notna(), None).to_dict("records")
-    return json.dumps({"page": str(page), "summary": rows}, indent=2)
+    values = frame.astype(object).where(frame.notna(), None)
+    return json.dumps({"page": str(page), "summary": values.to_dict("records")}, indent=2)
 
 
 def report_text(page: FilePath) -> str:

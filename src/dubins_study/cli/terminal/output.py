@@ -119,9 +119,9 @@ def table(head: Sequence[str], rows: Sequence[Sequence[object]]) -> str:
     lines = [[_cell(value) for value in row] for row in rows]
     grid = Table(box=box.SIMPLE_HEAD, pad_edge=False, show_edge=False)
     for place, name in enumerate(head):
-        number = all(_NUMBER.fullmatch(line[place]) for line in lines if line[place])
+        has_numbers = all(_NUMBER.fullmatch(line[place]) for line in lines if line[place])
         title = Text(plain(name))  # a name from a results folder may look like markup
-        if number:
+        if has_numbers:
             grid.add_column(title, justify="right", no_wrap=True, overflow="ellipsis")
         else:
             grid.add_column(title, overflow="fold")
@@ -195,11 +195,11 @@ def progress(what: str, counts: list[int]) -> Iterator[Callable[[int, int], None
     """
     with _display(what) as show:
 
-        def note(done: int, total: int) -> None:
+        def update(done: int, total: int) -> None:
             counts[:] = done, total
             show(done, total)
 
-        yield note
+        yield update
 
 
 def _display(what: str) -> AbstractContextManager[Callable[[int, int], None]]:
