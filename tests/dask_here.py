@@ -17,7 +17,7 @@ import psutil
 
 from dubins_study import run
 from dubins_study.experiments.store.folder import read_rows
-from tests.faults.launch import lasting
+from tests.faults.experiments import lasting
 from tests.live_run import wait_for
 
 

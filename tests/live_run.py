@@ -11,31 +11,16 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from tempfile import TemporaryFile
+from typing import IO, Any, NamedTuple
 
-from tests.marked import kill_all, marked
+import psutil
 
-SLOW = """
-import time
-from pathlib import Path
-from dubins_study.solvers.paper_nlp.nlp import Slsqp
+from tests.marked import alive, kill_all, left_behind, marked
+from tests.plugin_files import spec
 
-class Slow(Slsqp):
-    def solve(self, model, limit):
-        time.sleep({nap})
-        return super().solve(model, limit)
-"""
-# leaves the file `asked` beside itself when it is asked, and takes NAP seconds to answer
-TELLS_AND_NAPS = """
-import os, time
-from pathlib import Path
-from dubins_study.solvers.paper_nlp.nlp import Slsqp
-class Slow(Slsqp):
-    def solve(self, model, limit):
-        if model.leg.question.scenario.label != "warm-up":
-            Path(__file__).with_name("asked").touch()
-            time.sleep(float(os.environ["NAP"]))
-        return super().solve(model, limit)
-"""
+# s, far above what any run here takes; only a run that hangs gets there
+PATIENCE_S = 150.0
 CELLS = 8  # of the run that is made once
 TARGETS = """
 title = "slow"
@@ -52,9 +37,8 @@ def slow_experiment(folder: Path, nap: float = 0.1, count: int = 30) -> Path:
 
     The solver has to be trusted. It naps before each of its solves.
     """
-    (folder / "slow.py").write_text(SLOW.format(nap=nap))
     file = folder / "slow.toml"
-    file.write_text(TARGETS.format(solver=f"{folder}/slow.py:Slow", count=count))
+    file.write_text(TARGETS.format(solver=spec("slow", "Slow", nap=nap), count=count))
     return file
 
 
@@ -108,34 +92,92 @@ def _run(
     )
 
 
+class Ended(NamedTuple):
+    """A run that ended by itself.
+
+    It has the exit code, what was printed, and what was left alive.
+    """
+
+    code: int
+    out: str
+    err: str
+    alive: list[str]
+
+
+class Started(NamedTuple):
+    """A run under way.
+
+    It prints to files, which no child of it can hold open.
+    """
+
+    process: subprocess.Popen[bytes]
+    mark: str
+    streams: tuple[IO[bytes], IO[bytes]]
+
+    def wait(self) -> Ended:
+        """Wait for the end.
+
+        A run that hangs is killed and fails the test.
+        """
+        try:
+            code = self.process.wait(PATIENCE_S)
+        except subprocess.TimeoutExpired:
+            trees = [f"{p.pid} {p.ppid()} {p.status()}" for p in alive(self.mark)]
+            raise AssertionError(f"the run hangs\n{self.printed(1)}\n{trees}") from None
+        return Ended(code, self.printed(0), self.printed(1), left_behind(self.mark))
+
+    def printed(self, stream: int) -> str:
+        """Text printed so far; 0 is stdout, 1 stderr."""
+        file = self.streams[stream]
+        return os.pread(file.fileno(), 2**24, 0).decode(errors="replace")
+
+    def workers(self) -> list[psutil.Process]:
+        """Every process of the run but the first."""
+        return [process for process in alive(self.mark) if process.pid != self.process.pid]
+
+
 @contextmanager
-def started(*arguments: object, **environment: str) -> Iterator[subprocess.Popen[str]]:
+def started(*arguments: object, cwd: Path | None = None, **environment: str) -> Iterator[Started]:
     """Start the command in a session of its own.
 
     Whatever is left of it at the end is killed.
     """
     mark, marking = marked()
-    process = subprocess.Popen(
-        command(*arguments),
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-        start_new_session=True,
-        env={**os.environ, **environment, **marking},
-    )
-    try:
-        yield process
-    finally:
-        kill_all(mark)  # its orphans too, stopped ones among them: they hold its pipes open
-        process.communicate()
+    with TemporaryFile() as out, TemporaryFile() as err:
+        process = subprocess.Popen(
+            command(*arguments),
+            stdin=subprocess.DEVNULL,
+            stdout=out,
+            stderr=err,
+            start_new_session=True,
+            cwd=cwd,
+            env={**os.environ, **environment, **marking},
+        )
+        try:
+            yield Started(process, mark, (out, err))
+        finally:
+            kill_all(mark)  # its orphans too, stopped ones among them
+            process.wait()
 
 
-def wait_for(condition: Callable[[], object], seconds: float = 120) -> None:
-    """Come back as soon as the condition holds."""
-    until = time.monotonic() + seconds
-    while not condition():
-        assert time.monotonic() < until, "waited in vain"
+def study(*arguments: object, cwd: Path | None = None, **environment: str) -> Ended:
+    """Run the command to its end, and see what is left."""
+    with started(*arguments, cwd=cwd, **environment) as run:
+        return run.wait()
+
+
+def wait_for(condition: Callable[[], Any], run: Started | None = None) -> Any:
+    """Wait until a condition holds while a run lives.
+
+    Returns the condition's value.
+    """
+    give_up = time.monotonic() + PATIENCE_S
+    while not (value := condition()):
+        if run is not None and run.process.poll() is not None:
+            raise AssertionError(f"the run ended early:\n{run.printed(1)}")
+        assert time.monotonic() < give_up, "waited in vain"
         time.sleep(0.02)
+    return value
 
 
 def parts(folder: Path) -> list[Path]:

@@ -10,7 +10,9 @@ import pandas as pd
 import pytest
 
 from tests.faults import expected
-from tests.faults.launch import Ended, experiment, rows, spec, study
+from tests.faults.experiments import experiment, rows
+from tests.live_run import Ended, study
+from tests.plugin_files import spec
 
 HONEST = spec("honest", "Honest")
 ASKED = 8  # questions to the honest solver, beside the hostile ones
@@ -38,7 +40,7 @@ def shared_run(folder: Path, table: dict, asked: int, jobs: int, limit: float) -
     specs = [spec(*name.split(":"), **_settings(scratch, case)) for name, case in table.items()]
     asking = experiment(folder, (specs, asked), ([HONEST], ASKED))
     options = ("--jobs", jobs, "--time-limit", limit, "--memory-limit", 2, "--out", folder / "out")
-    ended = study("run", asking, *options, cwd=scratch, env={"TMPDIR": str(scratch)})
+    ended = study("run", asking, "--trust-plugins", *options, cwd=scratch, TMPDIR=str(scratch))
     assert (folder / "out" / "manifest.json").is_file(), ended.err
     return Shared(ended, rows(folder / "out"), folder / "out", scratch, table, asked, limit)
 
@@ -56,7 +58,7 @@ def clean(tmp_path_factory: pytest.TempPathFactory) -> pd.DataFrame:
     """
     folder = tmp_path_factory.mktemp("clean")
     asking = experiment(folder, ([HONEST], 1), ([HONEST], ASKED))
-    ended = study("run", asking, "--out", folder / "out")
+    ended = study("run", asking, "--trust-plugins", "--out", folder / "out")
     assert ended.code == 0, ended.err
     answers = rows(folder / "out")
     return answers[answers["label"] == "block 1"]

@@ -9,7 +9,7 @@ import pytest
 
 from dubins_study import check_solver
 from dubins_study.conformance.report import Status
-from tests.faults.launch import spec
+from tests.plugin_files import spec
 
 # plug-in -> the check that finds it, and words of what it says
 HOSTILE = {

@@ -10,8 +10,9 @@ import sys
 
 import pytest
 
-from tests.faults.launch import ROOT, experiment, spec
+from tests.faults.experiments import experiment
 from tests.marked import left_behind, marked
+from tests.plugin_files import spec
 
 HONEST = spec("honest", "Honest")
 
@@ -49,11 +50,10 @@ def call(folder, solver, before, pause="pass"):
     names = {"experiment": str(asking), "out": str(folder / "out")}
     script.write_text(CALLER.format(before=before, pause=pause, **names))
     mark, marking = marked()
-    paths = os.pathsep.join(filter(None, (str(ROOT), os.environ.get("PYTHONPATH"))))
     ended = subprocess.run(
         [sys.executable, script],
         cwd=folder,
-        env={**os.environ, "PYTHONPATH": paths, **marking},
+        env={**os.environ, **marking},
         capture_output=True,
         text=True,
         timeout=150,
@@ -76,19 +76,6 @@ def test_the_callers_own_processes_end_at_sigterm(tmp_path, before):
     assert alive == []
 
 
-# an orphan that has written its process id down before the answer is given
-ORPHAN = """
-import time
-from pathlib import Path
-from tests.plugins.hostile_endless import Daemon
-class Noted(Daemon):
-    def hang(self):
-        super().hang()
-        while not (Path(self.pids).exists() and Path(self.pids).read_text()):
-            time.sleep(0.01)
-"""
-
-
 @pytest.mark.many(1)
 @pytest.mark.parametrize("before", [False, True])
 def test_orphans_end_with_the_run(tmp_path, before):
@@ -104,8 +91,8 @@ def test_orphans_end_with_the_run(tmp_path, before):
         "print(json.dumps([p for p in noted if psutil.pid_exists(p) "
         "and psutil.Process(p).status() != 'zombie']))"
     )
-    (tmp_path / "orphan.py").write_text(ORPHAN)
-    left, alive = call(tmp_path, f"{tmp_path}/orphan.py:Noted[pids={pids}]", before, check)
+    noted = spec("hostile_endless", "Noted", pids=pids)
+    left, alive = call(tmp_path, noted, before, check)
 
     assert pids.read_text().split()
     assert left == []

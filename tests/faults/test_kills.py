@@ -9,18 +9,10 @@ from random import Random
 import pytest
 
 from dubins_study.experiments.store.folder import done
-from tests.faults.launch import (
-    experiment,
-    kill_all,
-    lasting,
-    left_behind,
-    rows,
-    spec,
-    started,
-    study,
-    until,
-)
-from tests.live_run import manifest
+from tests.faults.experiments import experiment, lasting, rows
+from tests.live_run import manifest, started, study, wait_for
+from tests.marked import kill_all, left_behind
+from tests.plugin_files import spec
 
 MOMENTS = 4
 CELLS = 80
@@ -53,12 +45,14 @@ def test_killed_at_random_moments(asking, tmp_path):
     draw = Random(20260)
     cut = 0
     earlier = set()
-    options = ("--jobs", 2, "--time-limit", 10)
+    options = ("--trust-plugins", "--jobs", 2, "--time-limit", 10)
     folders = [tmp_path / "cut 0"]
     while cut < MOMENTS:
         with started("run", asking, "--out", folders[-1], *options) as run:
             wanted = len(parts(folders[-1])) + draw.randrange(3)
-            until(lambda n=wanted, run=run: len(parts(folders[-1])) >= n or run.process.poll() == 0)
+            wait_for(
+                lambda n=wanted, run=run: len(parts(folders[-1])) >= n or run.process.poll() == 0
+            )
             time.sleep(draw.uniform(0.0, 1.0))  # rows are written about every second
             cut += run.process.poll() is None
             run.process.kill()  # first: a worker killed before it would rightly be a crashed row

@@ -6,7 +6,10 @@ import time
 
 import pytest
 
-from tests.faults.launch import experiment, lasting, left_behind, rows, spec, started, until
+from tests.faults.experiments import experiment, lasting, rows
+from tests.live_run import started, wait_for
+from tests.marked import left_behind
+from tests.plugin_files import spec
 
 HONEST = spec("honest", "Honest")
 
@@ -38,8 +41,8 @@ def test_a_worker_that_gets_a_signal_from_outside_is_one_row(
     """
     asking, file = slow_run(tmp_path, nap, 4)
     options = ("--out", tmp_path / "out", "--jobs", 2, "--time-limit", limit)
-    with started("run", asking, *options) as run:
-        os.kill(until(lambda: noted(file), run)[0], number)
+    with started("run", asking, "--trust-plugins", *options) as run:
+        os.kill(wait_for(lambda: noted(file), run)[0], number)
         ended = run.wait()
 
     assert ended.code == 0, ended.err
@@ -58,9 +61,10 @@ def test_a_run_that_is_stopped_for_a_while_refuses_no_honest_time(tmp_path):
     Solves go on while the run stands still, so they take longer than the run saw pass.
     """
     asking, file = slow_run(tmp_path, 0.7, 6)
-    with started("run", asking, "--out", tmp_path / "out", "--time-limit", 20) as run:
+    options = ("--out", tmp_path / "out", "--time-limit", 20)
+    with started("run", asking, "--trust-plugins", *options) as run:
         for naps in (1, 3):
-            until(lambda naps=naps: len(noted(file)) >= naps, run)
+            wait_for(lambda naps=naps: len(noted(file)) >= naps, run)
             os.kill(run.process.pid, signal.SIGSTOP)
             time.sleep(1.5)
             os.kill(run.process.pid, signal.SIGCONT)
@@ -78,9 +82,10 @@ def test_an_idle_worker_killed_from_outside_costs_no_row(tmp_path):
     one row.
     """
     asking, file = slow_run(tmp_path, 0.3, 12)
-    with started("run", asking, "--out", tmp_path / "out", "--jobs", 2, "--time-limit", 20) as run:
+    options = ("--out", tmp_path / "out", "--jobs", 2, "--time-limit", 20)
+    with started("run", asking, "--trust-plugins", *options) as run:
         for n in (1, 4, 8):
-            until(lambda n=n: len(noted(file)) >= n or run.process.poll() is not None)
+            wait_for(lambda n=n: len(noted(file)) >= n or run.process.poll() is not None)
             for process in run.workers():
                 process.kill()
         ended = run.wait()
@@ -103,9 +108,9 @@ def test_workers_die_with_their_supervisor(tmp_path, name):
     napping = spec("honest", "Napping", nap=600, note=tmp_path / "pids")
     asking = experiment(tmp_path, ([spec("hostile_endless", name), napping], 1))
     options = ("--jobs", 2, "--time-limit", 600, "--out", tmp_path / "out")
-    with started("run", asking, *options) as run:
+    with started("run", asking, "--trust-plugins", *options) as run:
         # the napping one is under way; a moment later the hostile one beside it is as well
-        until(lambda: noted(tmp_path / "pids"), run)
+        wait_for(lambda: noted(tmp_path / "pids"), run)
         time.sleep(1.0)
         assert len(run.workers()) >= 2
         os.kill(run.process.pid, signal.SIGKILL)

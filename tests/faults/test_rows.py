@@ -11,7 +11,8 @@ import pytest
 
 from dubins_study.study.rows.schema import KEY, names
 from tests.faults.conftest import ASKED, TABLES
-from tests.faults.launch import lasting, study
+from tests.faults.experiments import lasting
+from tests.live_run import study
 
 RUNS = [
     pytest.param((kind, jobs), marks=[pytest.mark.slow] * slow, id=f"{kind}, {jobs} jobs")

@@ -7,8 +7,10 @@ import time
 import pytest
 
 from dubins_study.experiments.store.folder import done
-from tests.faults.launch import experiment, rows, spec, started, study, until
+from tests.faults.experiments import experiment, rows
+from tests.live_run import started, study, wait_for
 from tests.marked import wait_until_handled
+from tests.plugin_files import spec
 
 pytestmark = pytest.mark.slow
 HONEST = spec("honest", "Honest")
@@ -24,8 +26,8 @@ def during_a_cell(tmp_path, numbers, jobs, limit, nap=600.0, under_way=1):
     napping = spec("honest", "Napping", nap=nap, note=file)
     asking = experiment(tmp_path, ([napping], 4), ([HONEST], 8))
     options = ("--out", out, "--jobs", jobs, "--time-limit", limit)
-    with started("run", asking, *options) as run:
-        until(lambda: file.exists() and len(file.read_text().split()) >= under_way, run)
+    with started("run", asking, "--trust-plugins", *options) as run:
+        wait_for(lambda: file.exists() and len(file.read_text().split()) >= under_way, run)
         time.sleep(0.3)
         for number in numbers:
             os.killpg(run.process.pid, number)
@@ -76,7 +78,7 @@ def test_the_first_lets_the_cell_be_answered(tmp_path, jobs):
 
     # and the same command completes it
     options = ("--out", out, "--jobs", jobs, "--time-limit", 60)
-    assert study("run", asking, *options).code == 0
+    assert study("run", asking, "--trust-plugins", *options).code == 0
     assert len(rows(out)) == 12
     assert set(rows(out)["verdict"]) == {"optimal"}
 

@@ -13,7 +13,9 @@ from dubins_study.experiments.isolation.worker_process import Allowance
 from dubins_study.experiments.plan import solver_description
 from dubins_study.solvers.protocol import MAX_ARCS
 from dubins_study.solvers.registry import SolverError
-from tests.faults.launch import experiment, lasting, rows, spec, study
+from tests.faults.experiments import experiment, lasting, rows
+from tests.live_run import study
+from tests.plugin_files import spec
 from tests.plugins.hostile_state import STATES
 
 TAINTING = spec("hostile_state", "Tainting")
@@ -33,7 +35,7 @@ def tainted(request, tmp_path_factory):
     folder = tmp_path_factory.mktemp("tainted")
     asking = experiment(folder, ([TAINTING, SOMETIMES], N), ([WITNESS], 2 * N))
     options = ("--jobs", request.param, "--time-limit", 1, "--out", folder / "out")
-    ended = study("run", asking, *options)
+    ended = study("run", asking, "--trust-plugins", *options)
     assert ended.code == 0, ended.err
     return ended, rows(folder / "out")
 
@@ -100,7 +102,7 @@ def test_one_that_dies_now_and_then_dies_exactly_there(tainted):
 def test_a_path_of_as_many_arcs_as_allowed_is_a_row_like_any_other(tmp_path, clean):
     huge = spec("hostile_answers", "Huge", pieces=MAX_ARCS // 2)
     asking = experiment(tmp_path, ([huge], 1), ([spec("honest", "Honest")], 8))
-    ended = study("run", asking, "--out", tmp_path / "out", "--jobs", 2)
+    ended = study("run", asking, "--trust-plugins", "--out", tmp_path / "out", "--jobs", 2)
 
     assert ended.code == 0, ended.err
     table = rows(tmp_path / "out").sort_values("plugin")
@@ -150,7 +152,7 @@ def test_plugins_that_go_wrong_before_they_are_asked(tmp_path, clean, what, wher
 def refused(folder, file, clean):
     honest = spec("honest", "Honest")
     asking = experiment(folder, ([f"{file}:Plugin"], 1), ([honest], 8))
-    ended = study("run", asking, "--out", folder / "out", "--time-limit", 1)
+    ended = study("run", asking, "--trust-plugins", "--out", folder / "out", "--time-limit", 1)
 
     assert ended.alive == []
     assert "Traceback" not in ended.err

@@ -134,6 +134,15 @@ class Daemon(Endless):
         os.waitpid(child, 0)
 
 
+class Noted(Daemon):
+    """Answers once the grandchild has written its process id down."""
+
+    def hang(self):
+        super().hang()
+        while not (Path(self.pids).exists() and Path(self.pids).read_text()):
+            time.sleep(0.01)
+
+
 class LoopInWarmUp(Analytic):
     """Never ends the first question; answers the others."""
 

@@ -19,6 +19,7 @@ from dubins_study.study.rows.schema import ROW, names
 from dubins_study.study.scenario import Scenario
 from tests.fuzz.watched import command
 from tests.live_run import finished, output, quick_experiment
+from tests.plugin_files import copied
 
 
 def dubins_here(*arguments: str, cwd=None) -> subprocess.CompletedProcess[str]:
@@ -126,43 +127,9 @@ def test_scenarios_of_a_file(tmp_path):
     assert "choose another --out, or --restart" in done.stderr
 
 
-PLUGIN = """
-import os
-import sys
-import time
-from pathlib import Path
-from dubins_study.solvers.analytic import Analytic
-from dubins_study.solvers.protocol import Solution
-from dubins_study.study.path import Path
-from dubins_study.study.words import Claim
-print("loaded")
-class Loud(Analytic):
-    def solve(self, model, limit):
-        print("from Python")
-        os.write(1, b"from below")
-        return super().solve(model, limit)
-class Liar(Analytic):
-    def solve(self, model, limit):
-        return Solution(Claim.OPTIMAL, Path(super().solve(model, limit).path.start, [0], [1]))
-class Absent(Analytic):
-    def unavailable(self):
-        return "no licence"
-class Full(Analytic):
-    def solve(self, model, limit):
-        raise MemoryError
-class Gone(Analytic):
-    def solve(self, model, limit):
-        os._exit(3)
-class Stuck(Analytic):
-    def solve(self, model, limit):
-        time.sleep(1e4)
-"""
-
-
 @pytest.fixture
 def plugin(tmp_path):
-    (tmp_path / "plugin.py").write_text(PLUGIN)
-    return str(tmp_path / "plugin.py")
+    return str(copied("failing", tmp_path))
 
 
 @pytest.mark.slow

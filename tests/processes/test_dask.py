@@ -27,6 +27,7 @@ from dubins_study.experiments.plan.run_plan import RunSettings
 from dubins_study.experiments.store.folder import read_rows
 from tests import dask_here as here
 from tests.live_run import manifest, wait_for
+from tests.plugin_files import copied
 
 EXPERIMENT = """
 title = "dask"
@@ -59,28 +60,13 @@ def address(tmp_path_factory):
         yield at
 
 
-def plugin(folder: Path, solve: str) -> str:
+def plugin(folder: Path, name: str) -> str:
     """A solver with slsqp's answers.
 
-    Something may happen before.
+    Something happens before.
     """
-    file = folder / "plugin.py"
-    file.write_text(
-        "import ctypes, os, signal, sys, time\nfrom pathlib import Path\nimport psutil\n"
-        "from dubins_study.solvers.paper_nlp.nlp import Slsqp\n"
-        "HERE = Path(__file__).parent\n"
-        "def dask_worker():\n"
-        "    parents = psutil.Process().parents()\n"
-        "    return parents[1].pid if 'dask' in str((HERE / 'executor').read_text()) else None\n"
-        "class Plugin(Slsqp):\n"
-        "    def solve(self, model, limit):\n"
-        "        question = model.leg.question\n"
-        "        if question.scenario.label != 'warm-up':\n"
-        f"            {solve}\n"
-        "        return super().solve(model, limit)\n"
-    )
     (folder / "executor").write_text("local")
-    return f"{file}:Plugin"
+    return f"{copied('on_dask', folder)}:{name}"
 
 
 @pytest.mark.slow
@@ -105,7 +91,7 @@ def test_the_rows_are_those_of_a_serial_run(experiment, tmp_path, address):
 @pytest.mark.slow
 def test_probes_come_from_the_machines_that_solve(experiment, tmp_path, address):
     """Known by a number; their names are recorded nowhere."""
-    solver = plugin(tmp_path, "time.sleep(0.4)")
+    solver = plugin(tmp_path, "Naps")
     out = here.asked_of(address, experiment, tmp_path / "out", solvers=[solver])
     text = (out / "manifest.json").read_text()
     entry = json.loads(text)["runs"][-1]
@@ -116,21 +102,13 @@ def test_probes_come_from_the_machines_that_solve(experiment, tmp_path, address)
     assert json.dumps(socket.gethostname()) not in text
 
 
-# the first to come by here ends the Dask worker that it works for
-ONCE = (
-    "(HERE / 'armed').exists() and ((HERE / 'armed').unlink(), "
-    "(HERE / 'killed').write_text(str(dask_worker())), os.kill(dask_worker(), signal.SIGKILL), "
-    "time.sleep(60))"
-)
-
-
 @pytest.mark.slow
 def test_a_worker_killed_in_the_middle_of_a_work_unit_costs_no_row(experiment, tmp_path, address):
     """Killing a worker in a unit costs no row.
 
     What it had not delivered is solved again by others; none is there twice.
     """
-    solver = plugin(tmp_path, ONCE)
+    solver = plugin(tmp_path, "KillsOnce")
     arguments = {"solvers": [solver, "analytic"], "time_limit": 90.0}
     one = run(experiment, tmp_path / "one", **arguments)
     (tmp_path / "executor").write_text("dask")
@@ -144,14 +122,6 @@ def test_a_worker_killed_in_the_middle_of_a_work_unit_costs_no_row(experiment, t
     assert sum(parts) == len(read_rows(one))
 
 
-# a child that outlives whoever kills only the solver's own process; the second time it would hang
-ORPHANS = (
-    "(HERE / 'armed').exists() and ((HERE / 'armed').unlink(), "
-    "(HERE / 'pids').write_text(f'{dask_worker()} {os.getppid()} {os.getpid()}'), "
-    "time.sleep(3600))"
-)
-
-
 @pytest.mark.slow
 def test_what_a_dead_worker_was_solving_dies_with_it(experiment, tmp_path, address):
     """A dead worker's solves die with it.
@@ -159,7 +129,7 @@ def test_what_a_dead_worker_was_solving_dies_with_it(experiment, tmp_path, addre
     They are its fork server and the solver's process, though that is in a loop that nobody
     watches.
     """
-    solver = plugin(tmp_path, ORPHANS)
+    solver = plugin(tmp_path, "HangsOnce")
     (tmp_path / "executor").write_text("dask")
     (tmp_path / "armed").touch()
     pids: list[int] = []
@@ -183,7 +153,7 @@ def test_a_work_unit_that_kills_every_worker_ends_the_run(experiment, tmp_path, 
 
     It ends after as many workers as Dask's `allowed-failures` permits; the rows so far are kept.
     """
-    solver = plugin(tmp_path, "question.branch == 'LS' and os.kill(dask_worker(), signal.SIGKILL)")
+    solver = plugin(tmp_path, "KillsEach")
     (tmp_path / "executor").write_text("dask")
     out = tmp_path / "out"
     with pytest.raises(
@@ -223,7 +193,7 @@ def test_a_worker_keeps_its_processes_until_the_run_ends(experiment, tmp_path):
 
     Units of a run are solved in the same process; then it is gone.
     """
-    spec = plugin(tmp_path, "(HERE / 'pids').open('a').write(f'{os.getpid()}\\n')")
+    spec = plugin(tmp_path, "Notes")
     text = re.sub("(?m)^solvers = .*", f'solvers = ["{spec}"]', Path(experiment).read_text())
     Path(experiment).write_text(text)
     settings = RunSettings("kept", 60.0, executor="dask")

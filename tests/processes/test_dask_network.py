@@ -17,8 +17,9 @@ from dubins_study import run
 from dubins_study.experiments.isolation.pool import RunError
 from dubins_study.experiments.store.folder import done, read_rows
 from tests import dask_here as here
-from tests.live_run import TELLS_AND_NAPS, finished, started, wait_for
+from tests.live_run import finished, started, wait_for
 from tests.marked import wait_until_handled
+from tests.plugin_files import copied
 
 ROOT = Path(__file__).parents[2]
 EXPERIMENT = """
@@ -123,15 +124,15 @@ def test_a_plugin_that_is_not_there_is_told(experiment, tmp_path):
 
     A relative path means another file where the worker has another folder.
     """
-    (tmp_path / "slow.py").write_text(TELLS_AND_NAPS)
+    copied("slow", tmp_path)
     before = Path.cwd()
     with here.scheduler(tmp_path) as address, here.worker(address, "--nthreads", "1"):
         os.chdir(tmp_path)
         try:
             with pytest.raises(
-                RunError, match=r"slow\.py:Slow is not what was asked: .* does not load"
+                RunError, match=r"slow\.py:Telling is not what was asked: .* does not load"
             ):
-                here.asked_of(address, experiment, tmp_path / "out", solvers=["slow.py:Slow"])
+                here.asked_of(address, experiment, tmp_path / "out", solvers=["slow.py:Telling"])
         finally:
             os.chdir(before)
 
@@ -154,29 +155,28 @@ def test_ctrl_c(experiment, tmp_path, signals):
 
     No solver and no noise is left.
     """
-    (tmp_path / "slow.py").write_text(TELLS_AND_NAPS)
+    spec = f"{copied('slow', tmp_path)}:Telling"
     nap = "0.5" if signals == 1 else "1000"
     with (
         here.scheduler(tmp_path) as address,
         here.worker(address, "--nthreads", "2", NAP=nap) as worker,
     ):
         options = ("--executor", "dask", "--scheduler", address, "--time-limit", "4000")
-        spec = f"{tmp_path}/slow.py:Slow"
         out = tmp_path / "out"
-        with started("run", experiment, *options, "--solver", spec, "--out", out) as process:
+        with started("run", experiment, *options, "--solver", spec, "--out", out) as live:
             wait_for(lambda: (tmp_path / "asked").exists())
             began = time.monotonic()
             for _ in range(signals):
-                os.killpg(process.pid, signal.SIGINT)
-                wait_until_handled(process.pid, signal.SIGINT)
-            printed, err = process.communicate(timeout=120)
+                os.killpg(live.process.pid, signal.SIGINT)
+                wait_until_handled(live.process.pid, signal.SIGINT)
+            ended = live.wait()
         wait_for(lambda: len(solving(worker)) == 1)  # the fork server itself
 
     count = len(done(out))
-    assert process.returncode == 130, err
+    assert ended.code == 130, ended.err
     assert time.monotonic() - began < 300  # long before the nap is over, on a busy machine too
-    assert f"interrupted; {count} of 30 cells are done and kept; run the same command" in err
+    assert f"interrupted; {count} of 30 cells are done and kept; run the same command" in ended.err
     assert (0 < count < 30) if signals == 1 else count == 0
-    assert "Traceback" not in err
-    assert "distributed" not in err
-    assert printed == ""
+    assert "Traceback" not in ended.err
+    assert "distributed" not in ended.err
+    assert ended.out == ""

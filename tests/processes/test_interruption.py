@@ -13,7 +13,7 @@ import pytest
 from dubins_study import run
 from dubins_study.experiments.interruption import Interruption
 from dubins_study.experiments.store.folder import done
-from tests.live_run import manifest, quick_experiment, started, wait_for
+from tests.live_run import Ended, manifest, quick_experiment, started, wait_for
 
 
 @pytest.fixture
@@ -94,29 +94,28 @@ def test_a_run_interrupted_after_its_last_cell_is_finished_by_the_next(experimen
     assert manifest(out)["finished"]
 
 
-def interrupted(*arguments: str, after: Path):
+def interrupted(*arguments: str, after: Path) -> Ended:
     """Run the command and interrupt its group.
 
     SIGINT is sent once there are such files.
     """
-    with started("run", *arguments) as process:
-        wait_for(lambda: [*after.parent.glob(after.name)] or process.poll() is not None)
-        os.killpg(process.pid, signal.SIGINT)
-        out, err = process.communicate(timeout=120)
-    return process.returncode, out, err
+    with started("run", *arguments) as live:
+        wait_for(lambda: [*after.parent.glob(after.name)], live)
+        os.killpg(live.process.pid, signal.SIGINT)
+        return live.wait()
 
 
 @pytest.mark.slow
 def test_after_a_fresh_run_the_same_command_would_throw_away(experiment, tmp_path):
     """The message names the command that resumes."""
     out = tmp_path / "out"
-    code, _, err = interrupted(
+    ended = interrupted(
         *(experiment, "--out", str(out), "--repeats", "100", "--restart"),
         after=out / "parts" / "*.parquet",
     )
 
-    assert code == 130, err
-    assert "cells are done and kept; run the same command without --restart to go on" in err
+    assert ended.code == 130, ended.err
+    assert "cells are done and kept; run the same command without --restart to go on" in ended.err
     (entry,) = manifest(out)["runs"]
     assert entry["state"] == "interrupted"
     assert entry["ended"] >= entry["started"]

@@ -46,11 +46,11 @@ def test_a_second_run_is_told_who_is_at_work_and_touches_nothing(tmp_path):
             assert second.returncode == 2
             assert second.stdout == ""
             (line,) = second.stderr.strip().splitlines()
-            assert f"{out} is in use: process {first.pid} has been at work" in line
+            assert f"{out} is in use: process {first.process.pid} has been at work" in line
             assert f"since {since}" in line
             assert "choose another --out" in line
         assert contents(out) == before
-        assert first.poll() is None
+        assert first.process.poll() is None
 
 
 @pytest.mark.slow
@@ -63,12 +63,13 @@ def test_a_killed_run_holds_nothing_even_while_its_workers_live(tmp_path):
     out = tmp_path / "out"
     with started("run", experiment, "--trust-plugins", "--out", out, "--jobs", "2") as first:
         wait_for(lambda: parts(out))
-        children = [child.pid for child in psutil.Process(first.pid).children(recursive=True)]
+        supervisor = psutil.Process(first.process.pid)
+        children = [child.pid for child in supervisor.children(recursive=True)]
         assert children
         for child in children:  # they outlive the run: the system wakes them for nothing
             os.kill(child, signal.SIGSTOP)
-        os.kill(first.pid, signal.SIGKILL)
-        first.wait()
+        os.kill(first.process.pid, signal.SIGKILL)
+        first.process.wait()
         assert any(alive(child) for child in children)
         assert not is_locked(out)
         cells = done(out)
@@ -98,12 +99,12 @@ def test_status_and_report_work_while_a_run_does(tmp_path):
         wait_for(lambda: parts(out))
         process = finished("status", out)
         assert process.returncode == 0
-        assert f"running: process {first.pid} is at work" in process.stdout
+        assert f"running: process {first.process.pid} is at work" in process.stdout
         assert process.stderr == ""
         page = finished("report", out, "--out", tmp_path / "page")
         assert page.returncode == 0, page.stderr
         assert "Not finished" in (tmp_path / "page" / "index.html").read_text()
-        assert first.poll() is None
+        assert first.process.poll() is None
 
 
 def test_status_writes_nothing(folder):

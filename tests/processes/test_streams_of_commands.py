@@ -13,13 +13,13 @@ import time
 import pytest
 
 from tests.live_run import (
-    TELLS_AND_NAPS,
     command,
     finished,
     interpreted,
     quick_experiment,
     wait_for,
 )
+from tests.plugin_files import copied
 
 
 def in_a_terminal(*arguments, cwd, columns, **environment):
@@ -92,9 +92,9 @@ def test_ctrl_c_ends_with_130(tmp_path):
 
     It ends at once, with a line that says so, and without an answer or a drawing.
     """
-    (tmp_path / "slow.py").write_text(TELLS_AND_NAPS)
+    spec = f"{copied('slow', tmp_path)}:Telling"
     process = subprocess.Popen(
-        command("solve", 1, 2, "--solver", f"{tmp_path}/slow.py:Slow", "--plot", "path.png"),
+        command("solve", 1, 2, "--solver", spec, "--plot", "path.png"),
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,

@@ -15,25 +15,17 @@ from pathlib import Path
 import pyarrow.parquet as pq
 import pytest
 
+from tests.plugin_files import copied
+
 ROOT = Path(__file__).parents[2]
 EDITABLE = "from hatchling.build import build_editable; build_editable({folder!r})"
 EXPERIMENT = """
 title = "beside"
 question = "is it found?"
-solvers = ["analytic", "slsqp", "./plugin.py:Plugin"]
+solvers = ["analytic", "slsqp", "./beside_modules.py:Plugin"]
 [[scenarios]]
 target_x = [2, 3]
 target_y = 1
-"""
-PLUGIN = """
-import os, sys
-from pathlib import Path
-from dubins_study.solvers.analytic import Analytic
-
-class Plugin(Analytic):
-    def solve(self, *question):
-        assert not {"", ".", os.getcwd(), str(Path(__file__).parent)} & set(sys.path), sys.path
-        return super().solve(*question)
 """
 SCRIPT = """
 import os, sys
@@ -101,7 +93,7 @@ def user(built: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     for name in NAMES:
         (folder / name).parent.mkdir(exist_ok=True)
         (folder / name).write_text(f"raise SystemError('the module {name} of the user')\n")
-    (folder / "plugin.py").write_text(PLUGIN)
+    copied("beside_modules", folder)
     (folder / "beside.toml").write_text(EXPERIMENT)
     (folder / "script.py").write_text(SCRIPT)
     return folder

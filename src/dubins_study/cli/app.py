@@ -123,11 +123,11 @@ class _Command(TyperCommand):
             raise typer.Exit(130) from None
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
-        rest = super().parse_args(ctx, arranged(args, self.get_params(ctx), ctx.fail))
+        leftover = super().parse_args(ctx, arranged(args, self.get_params(ctx), ctx.fail))
         shared = {name: ctx.params.pop(name, False) for name in ("quiet", "verbose")}
         if any(shared.values()):  # otherwise what stands before the command's name holds
             _verbosity(**shared)
-        return rest
+        return leftover
 
 
 def examples(words: str) -> list[str]:
@@ -233,7 +233,7 @@ def main() -> None:
             print(message, file=sys.stderr)
             sys.exit(2)
         context = getattr(error, "ctx", None)
-        command = context.command_path if context else PROGRAM
+        command = getattr(context, "command_path", PROGRAM)
         _refuse(f"{message.rstrip('.')}; see {command} --help")
     except ModuleNotFoundError as error:
         refuse_missing(error)

@@ -55,8 +55,10 @@ def _audit_kaya(as_json: bool) -> list[str]:
     blocks = read("kaya").experiment.scenarios
     routes = chain.from_iterable(scenarios(block, block.label) for block in blocks)
     records = audit_routes(list(routes))
-    text = json.dumps(records, indent=1, allow_nan=False) if as_json else routes_text(records)
-    print(text)
+    if as_json:
+        print(json.dumps(records, indent=1, allow_nan=False))
+    else:
+        print(routes_text(records))
     return [
         "{source}, {label}: {verdict}, not {expected}".format(**record)
         for record in records
@@ -95,9 +97,10 @@ def _audit_paper(as_json: bool) -> list[str]:
 
     record = recompute()
     # Flush before the committed audit is read: stdout may be redirected into that file.
-    committed_form = json.dumps(record, indent=1, ensure_ascii=False, allow_nan=False)
-    text = committed_form if as_json else audit_text(record)
-    print(text, flush=True)
+    if as_json:
+        print(json.dumps(record, indent=1, ensure_ascii=False, allow_nan=False), flush=True)
+    else:
+        print(audit_text(record), flush=True)
     return contradictions(record, committed())
 
 
@@ -114,6 +117,6 @@ def audit_text(record: Record) -> str:
     return "\n\n".join([first, *map(_text, audit_tables(record))])
 
 
-def _text(each: Table) -> str:
-    head = [column.title for column in each.columns]
-    return f"{each.caption}\n{table(head, each.texts())}"
+def _text(content: Table) -> str:
+    head = [column.title for column in content.columns]
+    return f"{content.caption}\n{table(head, content.texts())}"

@@ -39,8 +39,10 @@ def compare(
 
     with output.steps("compare"):
         comparison = compare_runs(base, new, out=out, slower=slower)
-    text = json.dumps(_record(comparison), indent=1) if as_json else _text(comparison)
-    print(text)
+    if as_json:
+        print(json.dumps(_record(comparison), indent=1))
+    else:
+        print(_text(comparison))
     raise typer.Exit(int(fail_on_regression and comparison.regressed))
 
 
@@ -53,28 +55,25 @@ def _record(comparison: Comparison) -> dict[str, Any]:
         for name in tables
     }
     return frames | {
-        "speed": None if speed is None else speed._asdict(),
+        "speed": speed and speed._asdict(),
         "regressed": comparison.regressed,
-        "page": None if comparison.page is None else str(comparison.page),
+        "page": comparison.page and str(comparison.page),
     }
 
 
-_LEFT_OUT = (
-    "questions",
-    "timed",
-    "time_base",
-    "time_new",
-)  # columns that a terminal lacks room for
+# columns that a terminal lacks room for
+_LEFT_OUT = ("questions", "timed", "time_base", "time_new")
 
 
 def _text(comparison: Comparison) -> str:
     from dubins_study.report.two_runs.compare import solvers_table, speed_text, unpaired_text
 
-    every = solvers_table(comparison)
-    each = replace(every, columns=tuple(c for c in every.columns if c.key not in _LEFT_OUT))
-    rows = [[plain(" ".join(cell.split())) for cell in row] for row in each.texts()]
+    full = solvers_table(comparison)
+    columns = tuple(column for column in full.columns if column.key not in _LEFT_OUT)
+    shown = replace(full, columns=columns)
+    rows = [[" ".join(cell.split()) for cell in row] for row in shown.texts()]
     lines = [
-        output.table([column.title for column in each.columns], rows),
+        output.table([column.title for column in columns], rows),
         "",
         speed_text(comparison.speed),
         unpaired_text(comparison),
@@ -96,8 +95,10 @@ def _regressions(comparison: Comparison) -> list[str]:
     for row in frame.head(_MOST_LINES).to_dict("records"):
         place = ", ".join(filter(None, (row["solver"], row["scenario"])))
         change = " -> ".join(filter(None, (row["base"], row["new"])))
-        command = f"\n    {plain(row['command'])}" if row["command"] else ""
-        lines.append(plain(f"  {row['kind']}: {place}: {change}") + command)
+        line = plain(f"  {row['kind']}: {place}: {change}")
+        if row["command"]:
+            line += f"\n    {plain(row['command'])}"
+        lines.append(line)
     more = len(frame) - len(lines)
     if more:
         lines.append(f"  and {more} more: --json or --out has them all")

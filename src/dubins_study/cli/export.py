@@ -37,7 +37,9 @@ def export(
     """
     if len(asked) == 1:
         if formulation is None or out is None:
-            missing = "--out DIR" if formulation else "--formulation SPEC, such as route-nlp"
+            missing = "--formulation SPEC, such as route-nlp"
+            if formulation:
+                missing = "--out DIR"
             problem = f"export of {asked[0]!r:.60}, which is no target X Y, needs {missing}"
             raise arguments.CommandError(problem)
         _export_suite(asked[0], formulation, out)

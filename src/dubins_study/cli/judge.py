@@ -33,17 +33,17 @@ def judge(
     """
     from dubins_study.experiments.judge import judge_answers
 
-    folder = FilePath("results") / answers.stem if out is None else out
+    folder = out or FilePath("results") / answers.stem
     counts: list[int] = []
     with output.progress(f"judge {answers.name}", counts) as progress:
         rows = judge_answers(answers, suite, out=folder, progress=progress)
     lines = []
-    for method, of_method in rows.groupby("solver", sort=False):
-        answered = (of_method["outcome"] == "returned").sum()
-        verdict_counts = of_method["verdict"].value_counts().items()
+    for method, method_rows in rows.groupby("solver", sort=False):
+        answered = (method_rows["outcome"] == "returned").sum()
+        verdict_counts = method_rows["verdict"].value_counts().items()
         verdicts = ", ".join(f"{count} {verdict}" for verdict, count in verdict_counts)
-        false = [of_method[name].sum() for name in _FALSE]
-        lines.append([method, len(of_method), answered, verdicts, *false])
+        false_counts = [method_rows[name].sum() for name in _FALSE]
+        lines.append([method, len(method_rows), answered, verdicts, *false_counts])
     print(output.table(["method", "questions", "answered", "verdicts", *_FALSE.values()], lines))
     for name, what in _FALSE.items():
         for row in rows[rows[name]].to_dict("records"):

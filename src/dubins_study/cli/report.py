@@ -46,8 +46,10 @@ def report(
 
     with output.steps("report") as step:
         page = render(folders, out=out, progress=step)
-    text = report_json(page) if as_json else report_text(page)
-    print(text)
+    if as_json:
+        print(report_json(page))
+    else:
+        print(report_text(page))
 
 
 def _summary(page: FilePath) -> pd.DataFrame:
@@ -74,8 +76,8 @@ def report_json(page: FilePath) -> str:
     The summary has the columns of tables/summary.csv.
     """
     frame = _summary(page)
-    rows = frame.astype(object).where(frame.notna(), None).to_dict("records")
-    return json.dumps({"page": str(page), "summary": rows}, indent=2)
+    values = frame.astype(object).where(frame.notna(), None)
+    return json.dumps({"page": str(page), "summary": values.to_dict("records")}, indent=2)
 
 
 def report_text(page: FilePath) -> str:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import shlex
 import sys
 from collections.abc import Iterator
@@ -12,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from dubins_study.cli.status import status_text
+from dubins_study.cli.status import print_status
 from dubins_study.cli.terminal import output
 from dubins_study.cli.terminal.arguments import number
 from dubins_study.cli.terminal.output import plain
@@ -87,10 +86,10 @@ def run(
                 progress=progress,
             )
         state = status_of(folder)
-        text = json.dumps(state.as_json(), indent=2) if as_json else status_text(state)
-        print(text)
+        print_status(state, as_json)
         if state.finished and not as_json:  # the command on a line of its own, to be copied
-            print(f"\nits page:\n{plain(shlex.join(['dubins-study', 'report', state.folder]))}")
+            command = shlex.join(["dubins-study", "report", state.folder])
+            print(f"\nits page:\n{plain(command)}")
 
 
 @contextmanager
@@ -106,7 +105,11 @@ def _interruptible(restart: bool, counts: list[int]) -> Iterator[Interruption]:
         with Interruption() as stop:
             yield stop
     except KeyboardInterrupt:
-        next_step = "run the same command without --restart" if restart else "run the same command"
-        cells = "{} of {} cells are done and kept; ".format(*counts) if counts else ""
+        cells = ""
+        if counts:
+            cells = "{} of {} cells are done and kept; ".format(*counts)
+        next_step = "run the same command"
+        if restart:
+            next_step += " without --restart"
         print(f"interrupted; {cells}{next_step} to go on", file=sys.stderr)
         raise typer.Exit(130) from None

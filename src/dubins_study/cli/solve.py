@@ -86,9 +86,8 @@ def solve(
     )
     flight = flight_of(answer, question.mission)
     _print(answer, question.names, in_given_order, flight, as_json)
-    shorter = shorter_answer(answer) if shortest else None
-    if shorter is not None:
-        flight = flight_of(shorter, question.mission)
+    if shortest:
+        flight = flight_of(shorter_answer(answer) or answer, question.mission)
     complete = files.write(flight, question.names)
     ended = complete and answer.outcome == Outcome.RETURNED
     if not ended or (strict and answer.verdict != "optimal"):
@@ -105,7 +104,9 @@ def _answers(
     from dubins_study.experiments.solve import solve as ask
     from dubins_study.study.tolerances import SEARCH_S
 
-    compared_s = _COMPARED * limit if scenario.order is Order.FREE else 0.0
+    compared_s = 0.0
+    if scenario.order is Order.FREE:
+        compared_s = _COMPARED * limit
     at_most = limit + min(limit, SEARCH_S) + compared_s
     with output.solvers_to_stderr(), output.steps(f"solving, at most {at_most:g} s"):
         answer = ask(scenario, solver, branch, profile=profile, limit=limit, isolated=True)
@@ -126,9 +127,11 @@ def _print(
     The request is refused if no solver was asked for the answer.
     """
     refused = answer.outcome in (Outcome.UNAVAILABLE, Outcome.UNSUPPORTED)
-    if as_json or not refused:  # before the drawing, which may fail
-        text = answer_json if as_json else answer_text
-        print(text(answer, names, in_given_order, flight), flush=True)
+    # flushed before the drawing, which may fail
+    if as_json:
+        print(answer_json(answer, names, in_given_order, flight), flush=True)
+    elif not refused:
+        print(answer_text(answer, names, in_given_order, flight), flush=True)
     if refused:
         message = f"solver {answer.solver!r} is {answer.outcome}: {plain(answer.message)}"
         raise arguments.CommandError(message)
@@ -142,6 +145,6 @@ def _route_of(scenario: Scenario) -> Scenario:
     changed: dict[str, Any] = {"order": "given"}
     if scenario.target is None:
         x, y, heading = scenario.stops[-1]
-        changed |= {"via": scenario.via[:-1], "target_x": x, "target_y": y}
-        changed |= {"final_heading": heading}
+        changed["via"] = scenario.via[:-1]
+        changed |= {"target_x": x, "target_y": y, "final_heading": heading}
     return replace(scenario, **changed)

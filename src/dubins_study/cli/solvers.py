@@ -70,4 +70,6 @@ def _beyond_one_leg(entry: Entry) -> str:
 
 
 def _available(entry: Entry) -> str:
-    return "yes" if entry.reason is None else f"no: {entry.reason}"
+    if entry.reason is None:
+        return "yes"
+    return f"no: {entry.reason}"

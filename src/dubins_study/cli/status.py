@@ -32,9 +32,15 @@ def status(
     """
     from dubins_study.experiments.store.status import status as status_of
 
-    state = status_of(folder)
-    text = json.dumps(state.as_json(), indent=2) if as_json else status_text(state)
-    print(text)
+    print_status(status_of(folder), as_json)
+
+
+def print_status(progress: Status, as_json: bool) -> None:
+    """Print the status as JSON, or as text."""
+    if as_json:
+        print(json.dumps(progress.as_json(), indent=2))
+    else:
+        print(status_text(progress))
 
 
 def status_text(progress: Status) -> str:
@@ -62,7 +68,9 @@ def status_text(progress: Status) -> str:
 def _state(progress: Status) -> str:
     if progress.process is not None:
         return f"running: process {progress.process or 'unknown'} is at work"
-    return "finished" if progress.finished else "not finished: run it again to go on"
+    if progress.finished:
+        return "finished"
+    return "not finished: run it again to go on"
 
 
 def _largest(counts: Mapping[str, int]) -> str:
@@ -73,8 +81,9 @@ def _largest(counts: Mapping[str, int]) -> str:
     largest = Counter(counts).most_common(_MOST_NAMES)
     text = ", ".join(f"{name} {number}" for name, number in largest)
     more = len(counts) - len(largest)
-    rest = f" and {more} more" if more else ""
-    return f"{sum(counts.values())}: {text}{rest}"
+    if more:
+        text += f" and {more} more"
+    return f"{sum(counts.values())}: {text}"
 
 
 def _time_left(progress: Status) -> str:
@@ -96,12 +105,19 @@ def _tables(progress: Status) -> list[str]:
 
 
 def _run(run: RunEntry) -> tuple[object, ...]:
+    """Cells of a run in the table of runs."""
+    took = ""
+    if run.seconds is not None:
+        took = duration(run.seconds)
+    speed_variation = ""
+    if run.spread is not None:
+        speed_variation = f"{100 * run.spread:.1f} %"
     return (
         run.run_id,
         run.started[:19].replace("T", " "),  # without fractions of a second
-        None if run.seconds is None else duration(run.seconds),
+        took,
         run.state,
         run.executor,
         run.jobs,
-        None if run.spread is None else f"{100 * run.spread:.1f} %",
+        speed_variation,
     )

@@ -89,8 +89,10 @@ class Flight:
         """
         total = self.path.length
         if not (step > 0 and total / step < _MOST_WAYPOINTS):
-            expected = f"expected a length above 0, for less than {_MOST_WAYPOINTS} points"
-            raise FlightError(f"step is {short(step)}; {expected}")
+            raise FlightError(
+                f"step is {short(step)}; "
+                f"expected a length above 0, for less than {_MOST_WAYPOINTS} points"
+            )
         marks = [length for length, _ in self._passed]
         if 0.0 not in marks:
             marks.insert(0, 0.0)
@@ -135,7 +137,6 @@ class Flight:
         waiting = deque(self._passed)
         waypoints = []
         for i, length in enumerate(lengths):
-            place = waiting.popleft()[1] if waiting and waiting[0][0] == length else None
             waypoint = Waypoint(
                 time=length / self.answer.scenario.speed,
                 length=length,
@@ -148,8 +149,8 @@ class Flight:
                 curvature=float(curvatures[i]),
                 altitude=altitudes[i],
             )
-            if place is not None:
-                number = place + 1
+            if waiting and waiting[0][0] == length:
+                number = waiting.popleft()[1] + 1
                 waypoint = waypoint._replace(place=number, name=self._shown_name(number))
             waypoints.append(waypoint)
         return waypoints
@@ -158,12 +159,16 @@ class Flight:
     def title(self) -> str:
         """Length, time and proof in one line."""
         answer = self.answer
-        unit = "" if self.mission.plane is None else " m"
+        unit = ""
+        if self.mission.plane is not None:
+            unit = " m"
         return f"{answer.length:.6g}{unit}, {answer.travel_time:.6g} s, proof: {answer.proof}"
 
     def _shown_name(self, place: int) -> str:
-        is_home = place > len(self.mission.points)
-        return self.given_name(place) or ("home" if is_home else str(place))
+        default = str(place)
+        if place > len(self.mission.points):
+            default = "home"
+        return self.given_name(place) or default
 
     def given_name(self, place: int) -> str:
         """The name of a stop, or nothing.
@@ -171,9 +176,11 @@ class Flight:
         `place` is the stop's number in the question, from 1.
         """
         points = self.mission.points
-        home = self.mission.home
-        closing = home.name if home else ""  # a closed path ends at home
-        return points[place - 1].name if place <= len(points) else closing
+        if place <= len(points):
+            return points[place - 1].name
+        if self.mission.home:  # a closed path ends at home
+            return self.mission.home.name
+        return ""
 
     def _altitudes(self, lengths: Sequence[float]) -> list[float | None]:
         """The altitudes at lengths along the path.
@@ -182,13 +189,13 @@ class Flight:
         """
         points = dict(enumerate(self.mission.points))
         if self.mission.home is not None and not self.mission.above_home:
+            # the path starts there, and a closed one ends there
             points |= {-1: self.mission.home, len(points): self.mission.home}
-        places = [(length, points.get(place)) for length, place in [(0.0, -1), *self._passed]]
-        marks = [
-            (length, point.altitude)
-            for length, point in places
-            if point and point.altitude is not None
-        ]
+        marks = []
+        for length, place in [(0.0, -1), *self._passed]:
+            point = points.get(place)
+            if point and point.altitude is not None:
+                marks.append((length, point.altitude))
         if not marks:
             return [None] * len(lengths)
         marked_lengths, altitudes = zip(*marks, strict=True)

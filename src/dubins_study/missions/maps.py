@@ -95,18 +95,21 @@ def _read_features(
 
     They are those of the first of the kinds of geometry that there is.
     """
-    passed = Counter(map(_kind, features))
-    kind = next((name for name in kinds if name in passed), kinds[0])
+    counts = Counter(map(_kind, features))
+    kind = next((name for name in kinds if name in counts), kinds[0])
 
     def read(feature: Any) -> Iterator[MissionPoint]:
-        properties = {} if kind == "LineString" else feature.get("properties") or {}
+        properties = feature.get("properties") or {}
+        if kind == "LineString":  # its name is not that of its points
+            properties = {}
         for position in _positions(_geometry(feature)["coordinates"]):
+            # a position may have its own altitude
             x, y, altitude = [*position, properties.get("altitude")][:3]
             yield point_of({**properties, "x": x, "y": y, "altitude": altitude}, compass)
 
     points = each(kind, [feature for feature in features if _kind(feature) == kind], read)
-    del passed[kind]
-    return reading_of(source, points, passed)
+    del counts[kind]  # the others are passed over
+    return reading_of(source, points, counts)
 
 
 def _geometry(feature: Any) -> Any:

@@ -96,7 +96,7 @@ class Mission:
         if to_last:
             via = mission.points[:-1]
             last = mission.points[-1]
-            fields = {"final_heading": last.heading} | fields
+            fields.setdefault("final_heading", last.heading)
             fields |= {"target_x": last.x, "target_y": last.y}
         return Scenario(
             home.x,

@@ -95,7 +95,9 @@ def _places(item: Any, passed: Counter[str], home: list[MissionPoint]) -> list[M
     # at 0 0, or null, it is where the vehicle is
     has_place = frame in _ON_EARTH and any(map(float, (latitude or 0, longitude or 0)))
     if command in _PLACES and has_place:
-        above = home[0].altitude if home else None
+        above = None
+        if home:
+            above = home[0].altitude
         if altitude is not None and frame in _ABOVE_SEA and above is not None:
             altitude = float(altitude) - above
         elif altitude is not None and frame not in _ABOVE_HOME:

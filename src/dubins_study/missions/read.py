@@ -132,12 +132,16 @@ def _mission(
     if reading.home is not None:
         notes.append("the home position is where the flight starts, but for --from")
     if headings := sum(point.heading is not None for point in points):
-        how = "degrees clockwise from north" if compass else "radians counterclockwise from east"
-        notes.append(f"{headings} headings, numbers in {how}")
+        convention = "radians counterclockwise from east"
+        if compass:
+            convention = "degrees clockwise from north"
+        notes.append(f"{headings} headings, numbers in {convention}")
     warnings = []
     if distortion > _MOST_DISTORTION:
         warnings.append(f"{extent}; are longitude and latitude right?")
-    home = None if reading.home is None else points.pop(0)
+    home = None
+    if reading.home is not None:
+        home = points.pop(0)
     return Mission(
         points=tuple(points),
         home=home,
@@ -171,7 +175,9 @@ def _on_plane(points: Points, plane: TangentPlane | None) -> tuple[Points, Tange
     metres = plane.to_plane(degrees)
     moved = []
     for point, (x, y), turn in zip(points, metres, plane.convergence(metres), strict=True):
-        heading = None if point.heading is None else float(point.heading + turn)
+        heading = point.heading
+        if heading is not None:
+            heading = float(heading + turn)
         moved.append(point._replace(x=float(x), y=float(y), heading=heading))
     return moved, plane
 
@@ -181,8 +187,10 @@ def _without_repeats(points: Points) -> tuple[Points, str]:
     distinct = points[:1]
     repeats: Points = []
     for point in points[1:]:
-        same = _same(point, distinct[-1])
-        (repeats if same else distinct).append(point)
+        if _same(point, distinct[-1]):
+            repeats.append(point)
+        else:
+            distinct.append(point)
     notes = []
     if repeats:
         notes.append(f"{repeats[0].where} equals the point before it; such points: {len(repeats)}")

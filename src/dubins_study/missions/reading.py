@@ -65,13 +65,15 @@ def text_of(file: str | FilePath) -> str:
         content = FilePath(file).read_bytes()
     except OSError as error:
         raise MissionError(f"cannot be read: {error.strerror}") from None
-    encoding = "utf-16" if content.startswith(_UTF_16) else "utf-8-sig"
+    encoding = "utf-8-sig"
+    if content.startswith(_UTF_16):
+        encoding = "utf-16"
     text = content.decode(encoding, errors="replace")
     if "\0" in text or "\N{REPLACEMENT CHARACTER}" in text:
-        message = (
-            "it is not UTF-8 text, nor marked UTF-16: save a table as UTF-8; unpack a KMZ archive"
+        raise MissionError(
+            "cannot be read: it is not UTF-8 text, nor marked UTF-16: "
+            "save a table as UTF-8; unpack a KMZ archive"
         )
-        raise MissionError(f"cannot be read: {message}")
     return text
 
 
@@ -80,10 +82,10 @@ def reading_of(source: str, points: Points, passed: Mapping[str, int], **fields:
 
     It is refused if there are no points.
     """
-    others = ", ".join(f"{count} {name}" for name, count in passed.items() if count)
+    counts = ", ".join(f"{count} {name}" for name, count in passed.items() if count)
     if not points:
-        raise MissionError(f"there are no points; it has {others or 'nothing'}")
-    return Reading(source, points, others and f"passed over: {others}", **fields)
+        raise MissionError(f"there are no points; it has {counts or 'nothing'}")
+    return Reading(source, points, counts and f"passed over: {counts}", **fields)
 
 
 def each(kind: str, items: Iterable[Any], read: Callable[[Any], Iterable[MissionPoint]]) -> Points:
@@ -111,10 +113,11 @@ def point_of(fields: Mapping[str, Any], compass: bool = False) -> MissionPoint:
         raise MissionError(f"x,y is {text!r:.60}; expected two numbers")
     present = {name: value for name, value in fields.items() if value not in (None, "")}
     values: dict[str, Any] = {"name": plain(str(present.get("name", "")).strip())}
-    for name in present.keys() & {"altitude", "speed"}:
-        values[name] = number_of(present[name])
-        if math.isnan(values[name]):
-            raise MissionError(f"{name} is {short(present[name])}; expected a number")
+    for name in ("altitude", "speed"):
+        if name in present:
+            values[name] = number_of(present[name])
+            if math.isnan(values[name]):
+                raise MissionError(f"{name} is {short(present[name])}; expected a number")
     if present.get("heading", FREE) != FREE:
         with at("heading"):
             values["heading"] = heading_of(str(present["heading"]), compass)
@@ -127,10 +130,14 @@ def number_of(value: Any) -> float:
     NaN if it is none, or not finite.
     """
     try:
-        number = number_of_text(value) if isinstance(value, str) else real_number(value)
+        if isinstance(value, str):
+            value = number_of_text(value)
+        number = real_number(value)
     except (TypeError, ValueError, OverflowError):
         return math.nan
-    return number if math.isfinite(number) else math.nan
+    if math.isfinite(number):
+        return number
+    return math.nan
 
 
 def heading_of(text: str, compass: bool) -> float:
@@ -140,5 +147,6 @@ def heading_of(text: str, compass: bool) -> float:
     """
     if not compass:
         return parse_angle(text)
-    unit = "" if text.strip("+-.0123456789") else "deg"
-    return math.pi / 2 - parse_angle(text + unit)
+    if not text.strip("+-.0123456789"):
+        text += "deg"
+    return math.pi / 2 - parse_angle(text)

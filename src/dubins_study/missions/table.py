@@ -44,8 +44,9 @@ def read_points(file: str | FilePath) -> Points:
     with at(str(file)):
         reading = read_table(text_of(file), used=_OF_A_ROUTE)
         if reading.degrees:
-            message = "its points are in degrees; give the file as the argument: solve"
-            raise MissionError(f"{message} {file}")
+            raise MissionError(
+                f"its points are in degrees; give the file as the argument: solve {file}"
+            )
     if reading.passed:
         _LOG.warning("dubins-study: %s", plain(f"{file}: {reading.passed}"))
     return reading.points
@@ -62,20 +63,26 @@ def read_table(
     Columns of fields that are not used are passed over.
     """
     (rows, problems), comment = _split(text)
-    place, first = rows[0] if rows else Row("line 1", [])
+    place, first = next(iter(rows), Row("line 1", []))
     has_header = not any(map(_is_number, first))
-    names: Sequence[str] = first if has_header or not comment else comment
+    names: Sequence[str] = first
+    if comment and not has_header:
+        names = comment
     source = place
     if columns is not None:
         names = columns
         source = "--columns"
     fields = [_field(name, used) for name in names]
     in_degrees = "longitude" in fields or "latitude" in fields
-    x, y = ("longitude", "latitude") if in_degrees else ("x", "y")
+    x, y = ("x", "y")
+    if in_degrees:
+        x, y = _DEGREES
     if fields.count(x) != 1 or fields.count(y) != 1:
-        expected = "expected the column names x and y, once each, or lon and lat"
-        others = "or name them by --columns, such as --columns lon,lat or --columns -,x,y"
-        raise MissionError(f"{source} is {','.join(names)!r:.60}; {expected}; {others}")
+        raise MissionError(
+            f"{source} is {','.join(names)!r:.60}; "
+            "expected the column names x and y, once each, or lon and lat; "
+            "or name them by --columns, such as --columns lon,lat or --columns -,x,y"
+        )
     _check_fields(fields)
     if len(names) != len(first):
         raise MissionError(f"{place} has {len(first)} cells; expected {len(names)}, as named")
@@ -110,7 +117,9 @@ def _split(text: str) -> tuple[Rows, list[str]]:
     if delimiter != ",":  # a number may have a decimal comma
         number = re.compile(rf"((?:^|{delimiter})\s*[+-]?\d*),(?=\d)")
         lines = [number.sub(r"\1.", line) for line in lines]
-    comment = comments[-1].strip("# \r\n").split(delimiter) if comments else []
+    comment = []
+    if comments:
+        comment = comments[-1].strip("# \r\n").split(delimiter)
     return read_rows(lines, delimiter), comment
 
 
@@ -120,7 +129,9 @@ def _field(name: str, used: Collection[str]) -> str:
     If the field is not used, it is the name.
     """
     field = _FIELDS.get(re.sub(r"[\W_]", "", name.lower()), "")
-    return field if field in used or field in _DEGREES else name.lower()
+    if field in used or field in _DEGREES:
+        return field
+    return name.lower()
 
 
 def _check_fields(fields: Sequence[str]) -> None:
@@ -131,8 +142,10 @@ def _check_fields(fields: Sequence[str]) -> None:
     for field in fields:
         twice = field in _NAMES and fields.count(field) > 1
         if twice or ("heading" in field and field != "heading"):
-            expected = "expected one column heading, of angles such as 90deg, or radians"
-            raise MissionError(f"column {field!r:.60}: {expected}, and one of each other kind")
+            raise MissionError(
+                f"column {field!r:.60}: expected one column heading, of angles such as 90deg, "
+                "or radians, and one of each other kind"
+            )
 
 
 def _is_number(text: str) -> bool:

@@ -31,25 +31,29 @@ def _geojson(flight: Flight, waypoints: Sequence[Waypoint]) -> str:
     plane = flight.mission.plane
     scenario = answer.scenario
     of_path = {name: getattr(answer, name) for name in _PROPERTIES}
-    origin = None if plane is None else (plane.latitude, plane.longitude)
-    path = flight.path.to_geojson(origin=origin, kind="path", radius=scenario.radius, **of_path)
-    visits = {stop.place: (visit, stop) for visit, stop in enumerate(flight.stops, 1)}
+    origin = None
     places = scenario.points[1:]
     if plane is not None:
+        origin = (plane.latitude, plane.longitude)
         places = plane.to_earth(places)
+    path = flight.path.to_geojson(origin=origin, kind="path", radius=scenario.radius, **of_path)
     features = [path]
+    visits = {stop.place: (visit, stop) for visit, stop in enumerate(flight.stops, 1)}
     for place, coordinates in enumerate(places.tolist(), 1):
-        is_via = place <= len(scenario.via)
+        kind = "via"
         visit, stop = visits.get(place, (None, None))
+        if place > len(scenario.via):
+            kind = "target"
+            visit = None
         properties = {
-            "kind": "via" if is_via else "target",
+            "kind": kind,
             "index": place,
             "name": flight.given_name(place) or None,
-            "heading_rad": stop.heading if stop else None,
-            "time": stop.time if stop else None,
+            "heading_rad": stop and stop.heading,
+            "time": stop and stop.time,
         }
         if answer.order is not None:
-            properties["visit"] = visit if is_via else None
+            properties["visit"] = visit
         geometry = {"type": "Point", "coordinates": coordinates}
         features.append({"type": "Feature", "geometry": geometry, "properties": properties})
     collection = {"type": "FeatureCollection", "features": features}
@@ -135,8 +139,10 @@ def _xml(root: ElementTree.Element) -> str:
 
 def _on_map(flight: Flight, point: Waypoint) -> str:
     altitude = _above_sea(flight, point)
-    above = "" if altitude is None else f",{altitude}"
-    return f"{point.lon:.9f},{point.lat:.9f}{above}"
+    text = f"{point.lon:.9f},{point.lat:.9f}"
+    if altitude is not None:
+        text += f",{altitude}"
+    return text
 
 
 _WAYPOINT = 16  # the command of MAVLink
@@ -149,7 +155,9 @@ def _home_altitude(flight: Flight) -> float:
     It is 0 if it is not known.
     """
     home = flight.mission.home
-    return (home.altitude if home else None) or 0.0
+    if home and home.altitude:
+        return home.altitude
+    return 0.0
 
 
 def _plan(flight: Flight, waypoints: Sequence[Waypoint]) -> str:
@@ -158,8 +166,8 @@ def _plan(flight: Flight, waypoints: Sequence[Waypoint]) -> str:
     The shape of the file is documented there.
     """
     items = []
-    home, *rest = waypoints
-    for number, point in enumerate(rest, 1):
+    home, *following = waypoints
+    for number, point in enumerate(following, 1):
         item = {
             "type": "SimpleItem",
             "doJumpId": number,
@@ -172,7 +180,9 @@ def _plan(flight: Flight, waypoints: Sequence[Waypoint]) -> str:
             item["stop"] = point.name  # a key that QGroundControl passes over
         items.append(item)
     speed = flight.answer.scenario.speed
-    cruise = {} if speed == 1 else {"cruiseSpeed": speed}  # 1 if no speed was given
+    cruise = {}
+    if speed != 1:  # 1 if no speed was given
+        cruise["cruiseSpeed"] = speed
     mission = {
         "version": 2,
         "firmwareType": 0,
@@ -194,10 +204,10 @@ def _plan(flight: Flight, waypoints: Sequence[Waypoint]) -> str:
 
 def _wpl(flight: Flight, waypoints: Sequence[Waypoint]) -> str:
     """Lines of QGC WPL 110: home, then the waypoints."""
-    home, *rest = waypoints
+    home, *following = waypoints
     place = f"{home.lat:.9f}\t{home.lon:.9f}\t{_home_altitude(flight)!r}"
     lines = ["QGC WPL 110", f"0\t1\t0\t{_WAYPOINT}\t0\t0\t0\t0\t{place}\t1"]
-    for number, point in enumerate(rest, 1):
+    for number, point in enumerate(following, 1):
         place = f"{point.lat:.9f}\t{point.lon:.9f}\t{point.altitude!r}"
         lines.append(f"{number}\t0\t{_ABOVE_HOME}\t{_WAYPOINT}\t0\t0\t0\t0\t{place}\t1")
     return "\n".join(lines) + "\n"
@@ -207,7 +217,7 @@ class Format(NamedTuple):
     """A format of flights, and its limits."""
 
     text: Callable[[Flight, Sequence[Waypoint]], str]
-    on_earth: bool  # whether it needs longitude and latitude
+    on_earth: bool = True  # whether it needs longitude and latitude
     needs_altitude: bool = False
     lacks: str = ""
 
@@ -219,11 +229,11 @@ _FORMATS = {
     ".geojson": Format(_geojson, on_earth=False),
     ".json": Format(_geojson, on_earth=False),
     ".csv": Format(_csv, on_earth=False),
-    ".gpx": Format(_gpx, on_earth=True, lacks="turns become points of a track"),
-    ".kml": Format(_kml, on_earth=True, lacks="turns become points of a line"),
-    ".plan": Format(_plan, on_earth=True, needs_altitude=True, lacks=_AUTOPILOT),
-    ".waypoints": Format(_wpl, on_earth=True, needs_altitude=True, lacks=_AUTOPILOT),
-    ".txt": Format(_wpl, on_earth=True, needs_altitude=True, lacks=_AUTOPILOT),
+    ".gpx": Format(_gpx, lacks="turns become points of a track"),
+    ".kml": Format(_kml, lacks="turns become points of a line"),
+    ".plan": Format(_plan, needs_altitude=True, lacks=_AUTOPILOT),
+    ".waypoints": Format(_wpl, needs_altitude=True, lacks=_AUTOPILOT),
+    ".txt": Format(_wpl, needs_altitude=True, lacks=_AUTOPILOT),
 }
 
 
@@ -238,8 +248,10 @@ def format_of(file: FilePath, mission: Mission) -> Format:
         raise FlightError(f"{file}: unknown ending; expected one of {' '.join(_FORMATS)}")
     if file_format.on_earth and mission.plane is None:
         others = " ".join(ending for ending, each in _FORMATS.items() if not each.on_earth)
-        message = "needs longitude and latitude, and the points have x and y"
-        raise FlightError(f"{file}: {file.suffix} {message}; expected one of {others}")
+        raise FlightError(
+            f"{file}: {file.suffix} needs longitude and latitude, and the points have x and y; "
+            f"expected one of {others}"
+        )
     return file_format
 
 
@@ -260,8 +272,12 @@ def write_flight(
         OSError: if the file cannot be written.
     """
     chosen = format_of(file, flight.mission)
-    size = 0.25 * flight.answer.scenario.radius if step is None else step
-    waypoints = [] if chosen.text is _geojson else flight.waypoints(size)
+    size = step
+    if size is None:
+        size = 0.25 * flight.answer.scenario.radius
+    waypoints = []
+    if chosen.text is not _geojson:
+        waypoints = flight.waypoints(size)
     if chosen.needs_altitude:
         for number, point in enumerate(waypoints):
             if not flight.mission.above_home or point.altitude is None:

@@ -40,7 +40,6 @@ def answer_json(
 
     It has the answer's segments and stops too.
     """
-    pieces = zip(answer.curvatures or (), answer.lengths or (), strict=True)
     fields: dict[str, Any] = {name: getattr(answer, name) for name in _JSON}
     fields["via"] = [list(point) for point in answer.scenario.via]
     fields["names"] = list(names)
@@ -50,13 +49,15 @@ def answer_json(
     fields["start_heading"] = None
     if answer.path is not None:
         fields["start_heading"] = math.remainder(answer.path.start.heading, math.tau)
-    fields["given_order_length"] = None if in_given_order is None else in_given_order.length
-    fields["given_order_proof"] = None if in_given_order is None else in_given_order.proof
+    fields["given_order_length"] = in_given_order and in_given_order.length
+    fields["given_order_proof"] = in_given_order and in_given_order.proof
+    pieces = zip(answer.curvatures or (), answer.lengths or (), strict=True)
     fields["segments"] = [
         {"turn": _letter(k), "length": length, "curvature": k} for k, length in pieces
     ]
-    stops = [] if flight is None else flight.stops
-    fields["stops"] = [stop._asdict() for stop in stops]
+    fields["stops"] = []
+    if flight is not None:
+        fields["stops"] = [stop._asdict() for stop in flight.stops]
     fields["tied_words"] = list(answer.tied_words)
     return json.dumps(fields, indent=2, allow_nan=False)
 
@@ -64,7 +65,9 @@ def answer_json(
 def _letter(curvature: float) -> str:
     if curvature > 0:
         return "L"
-    return "R" if curvature < 0 else "S"
+    if curvature < 0:
+        return "R"
+    return "S"
 
 
 def answer_text(
@@ -127,8 +130,8 @@ def _stops(flight: Flight) -> str:
     head = ("visit", "stop", "time", "length", "heading, deg", "compass, deg")
     rows = [
         (
-            str(visit),
-            plain(stop.name),
+            visit,
+            stop.name,
             f"{stop.time:.1f}",
             f"{stop.length:.6g}",
             f"{math.degrees(stop.heading):z.1f}",
@@ -144,7 +147,9 @@ def _more(begin: str, count: int) -> str:
 
     It tells their number and where they are; it is empty if there are none.
     """
-    return f"{begin} {count} more: --json lists them" if count > 0 else ""
+    if count > 0:
+        return f"{begin} {count} more: --json lists them"
+    return ""
 
 
 def _order(answer: Answer, names: Sequence[str]) -> str:
@@ -153,12 +158,14 @@ def _order(answer: Answer, names: Sequence[str]) -> str:
     They are names or numbers.
     """
     order = answer.order or []
-    texts = [plain(names[place]) if place < len(names) else "" for place in order]
+    names_by_place = dict(enumerate(names))
+    texts = [plain(names_by_place.get(place, "")) for place in order]
     labels = []
     for text, place in zip(texts, order, strict=True):
-        label = str(place + 1)
-        if text:
-            label = text if texts.count(text) == 1 else f"{text} ({label})"
+        number = str(place + 1)
+        label = text or number
+        if text and texts.count(text) > 1:
+            label = f"{text} ({number})"
         labels.append(label)
     return ", ".join(labels[:_MOST_POINTS]) + _more(", and", len(labels) - _MOST_POINTS)
 
@@ -173,9 +180,13 @@ def _given_order(answer: Answer, route: Answer | None) -> str:
     if abs(route.length - answer.length) <= _SAME * answer.length:
         return "as short"
     more = 100 * (route.length / answer.length - 1)
-    than = "longer" if more > 0 else "shorter"
-    proved = "" if route.proof == "proved" else ", not proved to be the shortest"
-    return f"{route.length:.12g}, {abs(more):.3g} % {than}{proved}"
+    comparative = "shorter"
+    if more > 0:
+        comparative = "longer"
+    text = f"{route.length:.12g}, {abs(more):.3g} % {comparative}"
+    if route.proof != "proved":
+        text += ", not proved to be the shortest"
+    return text
 
 
 def _word(answer: Answer) -> str:
@@ -183,10 +194,14 @@ def _word(answer: Answer) -> str:
 
     Tied words are as short.
     """
-    none = "none" if answer.gap is None else "none: the target is the start"
+    no_word = "none"
+    if answer.gap is not None:
+        no_word = "none: the target is the start"
+    text = short_word(answer.word or no_word)
     ties = [word for word in answer.tied_words if word != answer.reference_word]
-    tied = f"  (tied with {', '.join(ties)})" if ties else ""
-    return f"{short_word(answer.word or none)}{tied}"
+    if ties:
+        text += f"  (tied with {', '.join(ties)})"
+    return text
 
 
 def _proof(answer: Answer) -> str:
@@ -234,12 +249,15 @@ def _gap(answer: Answer) -> float | None:
 
     Rounding may put it below 0.
     """
-    gap = answer.gap
-    return 0.0 if gap is not None and gap < 0 and answer.proof == "proved" else gap
+    if answer.gap is not None and answer.gap < 0 and answer.proof == "proved":
+        return 0.0
+    return answer.gap
 
 
 def _number(value: float | None) -> str:
-    return "–" if value is None else f"{value:.3g}"
+    if value is None:
+        return "–"
+    return f"{value:.3g}"
 
 
 def _segments(answer: Answer) -> str:
@@ -252,13 +270,17 @@ def _segments(answer: Answer) -> str:
         return "none"
     texts = []
     for k, length in pieces[:_MOST_SEGMENTS]:
-        angle = f" ({abs(math.degrees(k * length)):.4g} deg)" if k else ""
-        texts.append(f"{_letter(k)} {length:.6g}{angle}")
+        text = f"{_letter(k)} {length:.6g}"
+        if k:
+            text += f" ({abs(math.degrees(k * length)):.4g} deg)"
+        texts.append(text)
     return ", ".join(texts) + _more(", and", len(pieces) - len(texts))
 
 
 def _milliseconds(seconds: float) -> str:
-    return f"{seconds * 1e3:.3g} ms" if seconds < 1 else f"{seconds:.3g} s"
+    if seconds < 1:
+        return f"{seconds * 1e3:.3g} ms"
+    return f"{seconds:.3g} s"
 
 
 def _verdict(answer: Answer) -> str:

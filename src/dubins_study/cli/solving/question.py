@@ -72,18 +72,25 @@ def question_of(words: Words) -> Asked:
     mission = _with_headings(_mission(words), words)
     fields: dict[str, Any] = {}
     if words.final_heading is not None:
-        if words.to_last and mission.points[-1].heading is not None:
-            message = "the last point has a heading, and --final-heading is given"
-            raise CommandError(f"{message}; expected one of them")
-        end = mission.points[-1] if words.to_last else mission.home
+        end = mission.home
+        if words.to_last:
+            end = mission.points[-1]
+            if end.heading is not None:
+                raise CommandError(
+                    "the last point has a heading, and --final-heading is given; "
+                    "expected one of them"
+                )
         assert end is not None
         last = _with_heading(end, mission, "final_heading", words.final_heading, words.compass)
         fields["final_heading"] = last.heading
-    speed = next(each for each in (words.speed, mission.speed, 1.0) if each is not None)
+    speed = words.speed
+    if speed is None:
+        speed = mission.speed
+    if speed is not None:
+        fields["speed"] = speed
     scenario = mission.scenario(
         to_last=words.to_last,
-        radius=_radius(words, mission),
-        speed=speed,
+        radius=_radius(words, mission, speed),
         order=words.order,
         closed=words.closed,
         **fields,
@@ -120,9 +127,13 @@ def _file_mission(file: FilePath, words: Words) -> Mission:
     from dubins_study.missions.read import read_mission
 
     if words.y is not None or words.via or words.via_file:
-        message = f"{file} is a mission file, and Y, --via or --via-file is given"
-        raise CommandError(f"{message}; expected the file alone")
-    columns = None if words.columns is None else words.columns.split(",")
+        raise CommandError(
+            f"{file} is a mission file, and Y, --via or --via-file is given; "
+            "expected the file alone"
+        )
+    columns = None
+    if words.columns is not None:
+        columns = words.columns.split(",")
     return read_mission(
         file,
         columns=columns,
@@ -149,8 +160,10 @@ def _points(words: Words) -> list[MissionPoint]:
     missing = x is None and words.via_file is None and words.to_last
     if missing or (x is not None and y is None):
         # of `--from 0 0 1 2` the third number is the heading
-        message = "the target is missing, or a single number; expected X Y, or --via-file"
-        raise CommandError(f"{message}; --from takes X Y HEADING")
+        raise CommandError(
+            "the target is missing, or a single number; expected X Y, or --via-file; "
+            "--from takes X Y HEADING"
+        )
     points = [MissionPoint(*each) for each in words.via]
     if words.via_file is not None:
         points += read_points(words.via_file)
@@ -196,11 +209,12 @@ def _with_headings(mission: Mission, words: Words) -> Mission:
     count = len(points) - words.to_last
     for place, text in words.via_headings:
         if not 1 <= place <= count:
-            expected = f"expected one from 1 to {count}" if count else "there is no via point"
+            expected = "there is no via point"
+            if count:
+                expected = f"expected one from 1 to {count}"
             raise CommandError(f"--via-heading: place {place}; {expected}")
         if points[place - 1].heading is not None:
-            message = f"via point {place} has two headings; expected one"
-            raise CommandError(f"--via-heading: {message}")
+            raise CommandError(f"--via-heading: via point {place} has two headings; expected one")
         points[place - 1] = _with_heading(
             points[place - 1], mission, "--via-heading", text, words.compass
         )
@@ -221,11 +235,13 @@ def _heading(name: str, text: str, compass: bool) -> float | None:
     try:
         return heading_of(text, compass)
     except AngleError as error:
-        runs = "clockwise from north" if compass else CONVENTION
-        raise CommandError(f"{name}: {error}, {runs}") from None
+        convention = CONVENTION
+        if compass:
+            convention = "clockwise from north"
+        raise CommandError(f"{name}: {error}, {convention}") from None
 
 
-def _radius(words: Words, mission: Mission) -> float:
+def _radius(words: Words, mission: Mission, speed: float | None) -> float:
     """The turning radius, given or from a bank.
 
     The bank gives a radius at the speed.
@@ -234,11 +250,14 @@ def _radius(words: Words, mission: Mission) -> float:
     from dubins_study.study.angle import parse_angle
 
     if words.bank is None:
-        if words.radius is None and mission.plane is not None:
-            message = "the radius is missing: the points lie on Earth"
-            raise CommandError(f"{message}; expected --radius in m, or --speed and --bank")
-        return 1.0 if words.radius is None else words.radius
-    speed = mission.speed if words.speed is None else words.speed
+        if words.radius is not None:
+            return words.radius
+        if mission.plane is None:
+            return 1.0
+        raise CommandError(
+            "the radius is missing: the points lie on Earth; "
+            "expected --radius in m, or --speed and --bank"
+        )
     if speed is None:
         raise CommandError("--bank is given without --speed; expected both, such as 20 and 30deg")
     bank = parse_angle(words.bank)

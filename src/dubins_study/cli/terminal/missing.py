@@ -19,7 +19,8 @@ def refuse_missing(error: ModuleNotFoundError) -> NoReturn:
         ModuleNotFoundError: the error, of any other module: that is a bug.
     """
     package = _PACKAGES.get(error.name or "", error.name)
-    used = {re.split(r"[^\w-]", each)[0] for each in requires("dubins-study") or ()}
+    requirements = requires("dubins-study") or ()
+    used = {re.split(r"[^\w-]", requirement)[0] for requirement in requirements}
     if package not in used:
         raise error
     reason = f"the package {package} is not installed; pip install {package}"

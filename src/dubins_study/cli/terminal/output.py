@@ -14,7 +14,7 @@ import textwrap
 import threading
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager, nullcontext, redirect_stdout
+from contextlib import AbstractContextManager, contextmanager, nullcontext, redirect_stdout
 from enum import IntEnum
 from io import StringIO
 
@@ -68,7 +68,9 @@ class _ToStderr(logging.StreamHandler):  # type: ignore[type-arg]
 
     def format(self, record: logging.LogRecord) -> str:
         text = plain(super().format(record))
-        return text if text.startswith("dubins-study:") else f"dubins-study: {text}"
+        if text.startswith("dubins-study:"):
+            return text
+        return f"dubins-study: {text}"
 
 
 def note(message: str, always: bool = True) -> None:
@@ -99,7 +101,9 @@ def terminal_width() -> int | None:
     The variable COLUMNS, where it is set, counts as a terminal.
     """
     is_terminal = sys.stdout is not None and sys.stdout.isatty()
-    return shutil.get_terminal_size().columns if is_terminal or os.environ.get("COLUMNS") else None
+    if is_terminal or os.environ.get("COLUMNS"):
+        return shutil.get_terminal_size().columns
+    return None
 
 
 def table(head: Sequence[str], rows: Sequence[Sequence[object]]) -> str:
@@ -115,9 +119,9 @@ def table(head: Sequence[str], rows: Sequence[Sequence[object]]) -> str:
     lines = [[_cell(value) for value in row] for row in rows]
     grid = Table(box=box.SIMPLE_HEAD, pad_edge=False, show_edge=False)
     for place, name in enumerate(head):
-        number = all(_NUMBER.fullmatch(line[place]) for line in lines if line[place])
+        has_numbers = all(_NUMBER.fullmatch(line[place]) for line in lines if line[place])
         title = Text(plain(name))  # a name from a results folder may look like markup
-        if number:
+        if has_numbers:
             grid.add_column(title, justify="right", no_wrap=True, overflow="ellipsis")
         else:
             grid.add_column(title, overflow="fold")
@@ -136,8 +140,10 @@ def _cell(value: object) -> str:
     """
     if value is None or value != value:
         return ""
-    if isinstance(value, bool):
-        return "yes" if value else "no"
+    if value is True:
+        return "yes"
+    if value is False:
+        return "no"
     if isinstance(value, float):
         return f"{value:.6g}"
     return plain(str(value))
@@ -187,15 +193,22 @@ def progress(what: str, counts: list[int]) -> Iterator[Callable[[int, int], None
     Without a terminal it is a plain line every half minute. Nothing is written if the command is
     quiet. `counts` is set to the numbers done and to do.
     """
-    moved = _bar(what) if is_terminal() else nullcontext(_lines(what))
-    with nullcontext(None) if verbosity() == Verbosity.QUIET else moved as move:
+    with _display(what) as show:
 
-        def note(done: int, total: int) -> None:
+        def update(done: int, total: int) -> None:
             counts[:] = done, total
-            if move is not None:
-                move(done, total)
+            show(done, total)
 
-        yield note
+        yield update
+
+
+def _display(what: str) -> AbstractContextManager[Callable[[int, int], None]]:
+    """How progress is shown: a bar, lines or nothing."""
+    if verbosity() == Verbosity.QUIET:
+        return nullcontext(lambda done, total: None)
+    if is_terminal():
+        return _bar(what)
+    return nullcontext(_lines(what))
 
 
 def is_terminal() -> bool:
@@ -251,7 +264,9 @@ def duration(seconds: float) -> str:
     for unit, length in (("d", 86400.0), ("h", 3600.0), ("min", 60.0)):
         if seconds >= 2 * length:
             return f"{seconds / length:.3g} {unit}"
-    return f"{seconds:.2g} s" if seconds < 10 else f"{seconds:.0f} s"
+    if seconds < 10:
+        return f"{seconds:.2g} s"
+    return f"{seconds:.0f} s"
 
 
 @contextmanager

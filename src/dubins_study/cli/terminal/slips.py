@@ -21,17 +21,17 @@ def arranged(
     An option is refused if it is given twice, or with fewer values than it takes: a parser reads
     `--from 0 0 --radius 3` as the heading `--radius` and one argument too many.
     """
-    takers = [param for param in params if param.param_type_name == "option" and not param.is_flag]
     options: dict[str, Any] = {}
-    for param in takers:
-        options |= dict.fromkeys(param.opts, param)
+    for param in params:
+        if param.param_type_name == "option" and not param.is_flag:
+            options |= dict.fromkeys(param.opts, param)
     option_words: list[str] = []
     arguments: list[str] = []
     seen: set[str] = set()
-    rest = iter(words)
-    for word in rest:
+    remaining = iter(words)
+    for word in remaining:
         if word == "--":
-            arguments += rest
+            arguments += remaining
             break
         if not _OPTION.match(word):
             arguments.append(word)
@@ -44,9 +44,11 @@ def arranged(
         if option.name in seen and not option.multiple:
             refuse(f"{name} is given twice; expected it once")
         seen.add(option.name)
-        given_first = [value] if equals else []
-        following = list(islice(rest, option.nargs - len(given_first)))
-        values = given_first + following
+        values = []
+        if equals:
+            values.append(value)
+        following = list(islice(remaining, option.nargs - len(values)))
+        values += following
         if len(values) < option.nargs or any(each.startswith("--") for each in following):
             text = " ".join(values)
             refuse(f"{name} is {text!r:.60}; expected {option.metavar}: {option.help}")
