@@ -25,8 +25,12 @@ from dubins_study.study.scenario import Pose, Scenario
 
 _COLOURS = (BLUE, VERMILION, GREEN)
 _TARGET_RING: dict[str, Any] = {
-    **{"markersize": 7, "markerfacecolor": PAPER, "markeredgecolor": MUTED, "zorder": 4},
-    **{"marker": "o", "markeredgewidth": 1.2},
+    "markersize": 7,
+    "markerfacecolor": PAPER,
+    "markeredgecolor": MUTED,
+    "zorder": 4,
+    "marker": "o",
+    "markeredgewidth": 1.2,
 }
 
 
@@ -87,16 +91,18 @@ def figures_section(results: Results) -> Section | None:
     shortest: dict[Problem, tuple[str, Path]] = {}  # at each radius of the fifth problem
     for label, problem in PROBLEMS.items():
         of_label = [(word, path) for (at, word), path in paths_of_words.items() if at == label]
-        paths = sorted(of_label, key=lambda each: each[1].length)
+        paths = sorted(of_label, key=lambda named_path: named_path[1].length)
         if problem.position == "problem 5" and paths:
             shortest[problem] = paths[0]
         elif paths:
             ranked = zip(("optimal", "feasible"), paths, strict=False)
-            named = {labelled(rank, *each): each[1] for rank, each in ranked}
+            named = {labelled(rank, word, path): path for rank, (word, path) in ranked}
             what = "Optimal (solid) and feasible (dashed) path"
             pictures.append(_picture(problem, named, what))
     if shortest:
-        named = {labelled(f"R = {at.radius}", *each): each[1] for at, each in shortest.items()}
+        named = {
+            labelled(f"R = {at.radius}", word, path): path for at, (word, path) in shortest.items()
+        }
         what = "Optimal paths for three turning radii"
         pictures.append(_picture(min(shortest), named, what, [at.radius for at in shortest]))
     text = (

@@ -142,7 +142,9 @@ def plane_section(results: Results) -> Section | None:
     """
     rows = results.rows[results.rows["branch"] == "best"]
     exact = exact_answers(rows)
-    pictures = _exact_pictures(exact) if len(exact) else []
+    pictures: list[Picture] = []
+    if len(exact):
+        pictures += _exact_pictures(exact)
     coarse = rows[rows["solver"] != EXACT]
     names = Palette.of_page(results).names(coarse["solver"])
     for number, solver in enumerate(solver_order(list(names)), start=1):

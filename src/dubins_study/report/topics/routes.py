@@ -30,7 +30,7 @@ from dubins_study.report.elements.content import (
     Topic,
     panels_picture,
 )
-from dubins_study.report.elements.formats import count, digits, sentences
+from dubins_study.report.elements.formats import count, digits, sentences, shortened
 from dubins_study.report.elements.identity import questions
 from dubins_study.report.elements.looks import Look, Palette, in_page_order, short_labels
 from dubins_study.report.elements.plots import HIGHEST, Mark, share_curves
@@ -151,8 +151,8 @@ def data_profiles(rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
 def _profiles(rows: pd.DataFrame, results: Results, timed: set[str]) -> Picture:
     """Data profiles of the timed methods."""
     # a sample of easier routes would look better than the whole
-    asked = rows.groupby("solver", observed=True)["scenario_id"].nunique()
-    whole = asked.index[asked >= ENOUGH_ASKED * asked.max()]
+    routes_asked = rows.groupby("solver", observed=True)["scenario_id"].nunique()
+    whole = routes_asked.index[routes_asked >= ENOUGH_ASKED * routes_asked.max()]
     chosen = rows[rows["solver"].isin(timed.intersection(whole))]
     panels = data_profiles(chosen)
     palette = palette_of(results, short_labels(methods_of(results.rows)))
@@ -210,18 +210,18 @@ def second_opinion(rows: pd.DataFrame) -> str:
     A sentence on its bounds; empty where it has none. The file `gdip.csv` has the bounds, and how
     they were made.
     """
-    known = rows.dropna(subset=["reference_high"]).drop_duplicates("scenario_id")
+    proven = rows.dropna(subset=["reference_high"]).drop_duplicates("scenario_id")
     with (files(__package__) / "gdip.csv").open(encoding="utf-8") as file:
-        both = known.merge(pd.read_csv(file, comment="#"), on="scenario_id")
-    if both.empty:
+        bounded = proven.merge(pd.read_csv(file, comment="#"), on="scenario_id")
+    if bounded.empty:
         return ""
-    high = both["reference_high"] / both["radius"]
-    above = both["low"] > high * (1.0 + _GDIP_TOLERANCE)
-    below = ((high - both["low"]) / high).clip(lower=0.0)
+    high = bounded["reference_high"] / bounded["radius"]
+    above = bounded["low"] > high * (1.0 + _GDIP_TOLERANCE)
+    below = ((high - bounded["low"]) / high).clip(lower=0.0)
     return (
         "An independent program (gdip, Váňa and Faigl 2020) gives lower bounds of "
-        f"{count(len(both))} of these routes; {count(above.sum())} of them contradict the check. "
-        f"Their median is {digits(2)(below.median())} of a length below the shortest paths."
+        f"{count(len(bounded))} of these routes; {count(above.sum())} of them contradict the "
+        f"check. Their median is {digits(2)(below.median())} of a length below the shortest paths."
     )
 
 
@@ -245,8 +245,8 @@ def _picture(
     A map for each stratum, and below it the times of some methods.
     """
     if cells["solver"].nunique() > _LINES:
-        known = results.rows.groupby("solver", observed=True)["guesses"].first()
-        kinds = engines.assign(guesses=engines["solver"].map(known).fillna(""))
+        guess_of = results.rows.groupby("solver", observed=True)["guesses"].first()
+        kinds = engines.assign(guesses=engines["solver"].map(guess_of).fillna(""))
         shown = {*timed, *best_methods(kinds, ["formulation", "guesses"])["solver"]}
         cells = cells[cells["solver"].isin(shown)]
     return panels_picture(
@@ -301,16 +301,23 @@ def plot_sizes(
     """
     number = len(strata)
     solvers = list(dict.fromkeys(cells["solver"]))
-    heights = (0.14 * len(solvers), 1.1 if narrow else 1.45)
+    map_height = 0.14 * len(solvers)
     if narrow:
+        heights = (map_height, 1.1)
+        gaps_across = 3
+        lines_across = 2
         figure = new_figure(HALF, number * (sum(heights) + 0.7) + 1.2)
         panels = figure.subplots(2 * number, height_ratios=heights * number)
         pairs = panels.reshape(number, 2)
     else:
+        heights = (map_height, 1.45)
+        gaps_across = 5
+        lines_across = 3
         figure = new_figure(WIDE, min(HIGHEST, sum(heights) + 1.3))
         counts = cells.groupby("label")[size].nunique()
         panels = figure.subplots(
-            *(2, number),
+            2,
+            number,
             sharey="row",
             squeeze=False,
             height_ratios=heights,
@@ -337,8 +344,6 @@ def plot_sizes(
     patches = [Patch(facecolor=mark.colour, edgecolor=RULE, label=mark.key) for mark in marks]
     style: Style = {"fontsize": 7, "columnspacing": 1.2}
     key: Style = {"title": "median gap", "alignment": "left", "loc": "outside upper left"}
-    gaps_across = 3 if narrow else 5
-    lines_across = 2 if narrow else 3
     figure.legend(handles=patches, ncols=gaps_across, **key, **style)
     figure.legend(handles=[*lines.values()], loc="outside lower left", ncols=lines_across, **style)
     return figure
@@ -348,8 +353,8 @@ def plot_success(
     ax: Axes,
     cells: pd.DataFrame,
     solvers: list[str],
-    size: str = "legs",
-    gaps: Mapping[float, Mark] = GAPS,
+    size: str,
+    gaps: Mapping[float, Mark],
 ) -> None:
     """Draw a map of success.
 
@@ -382,7 +387,9 @@ def _cell_text(cell: dict[Hashable, Any]) -> str:
 
     A question mark follows if some are open.
     """
-    left_open = "?" if cell["left_open"] else ""
+    left_open = ""
+    if cell["left_open"]:
+        left_open = "?"
     if not cell["trials"]:
         return left_open
     if cell["trials"] >= _PER_CENT:
@@ -417,12 +424,15 @@ def size_axes(ax: Axes, sizes: pd.Series[int], times: pd.Series[float]) -> None:
     if (times > 0).any():
         ax.set_yscale("log")
         log_axis(ax.yaxis, "s")
-    named: list[int] = []
-    for size in sorted(sizes.unique()):
-        if not named or size >= _APART * named[-1]:
-            named.append(size)
-    ax.set_xticks(sorted(sizes.unique()), minor=False)
-    ax.xaxis.set_major_formatter(lambda size, _: f"{size:g}" if size in named else "")
+    ticks = sorted(sizes.unique())
+    names: dict[float, str] = {}
+    last = 0
+    for size in ticks:
+        if size >= _APART * last:
+            names[size] = f"{size:g}"
+            last = size
+    ax.set_xticks(ticks, minor=False)
+    ax.xaxis.set_major_formatter(lambda size, _: names.get(size, ""))
     ax.xaxis.set_minor_locator(NullLocator())
     ax.tick_params(labelsize=7)
 
@@ -474,11 +484,6 @@ def _runs(points: FloatArray, inside: BoolArray) -> FloatArray:
     return np.insert(ends, 2 * np.flatnonzero(np.diff(parts) > 1) + 2, np.nan, axis=0)
 
 
-def _label(name: str) -> str:
-    """A name, or the beginning of a long one."""
-    return name if len(name) <= _NAME_CHARS else f"{name[: _NAME_CHARS - 1]}…"
-
-
 def _texts(scenario: Scenario, order: Sequence[int], names: Sequence[str]) -> list[str]:
     """Texts beside the start and the stops.
 
@@ -489,9 +494,11 @@ def _texts(scenario: Scenario, order: Sequence[int], names: Sequence[str]) -> li
     step = 10 ** max(math.ceil(math.log10(last / _MOST_NUMBERS)), 0)
     texts = ["start"]
     for number, stop in enumerate(order, 1):
-        text = str(number) if stop < len(scenario.via) and number % step == 0 else ""
+        text = ""
+        if stop < len(scenario.via) and number % step == 0:
+            text = str(number)
         if last <= _MOST_NAMED and stop < len(names):
-            text = f"{text} {_label(names[stop])}".strip()
+            text = f"{text} {shortened(names[stop], _NAME_CHARS)}".strip()
         texts.append(text)
     return texts
 
@@ -507,7 +514,9 @@ def _write(
     (pt); `along` are places on the path and the arrows, shape (m, 2).
     """
     last = len(points) - 1
-    dots = points if last <= _MOST_NAMED else points[[0, -1]]
+    dots = points
+    if last > _MOST_NAMED:
+        dots = points[[0, -1]]
     places = unit * dots  # of dots and texts, pt
     sizes = np.zeros(places.shape)  # half of the widths and heights of texts
     margin = _MARGIN * np.asarray(ax.dataLim.size)
@@ -521,7 +530,9 @@ def _write(
             outside -= _unit(points[number + 1] - point)
         if np.hypot(*outside) < 1e-3:  # beside a straight
             outside = _unit(points[number + 1] - points[number - 1])[::-1] * (-1, 1)
-        gap = 4.0 if 0 < number < last else 6.0  # beside the ring of the target
+        gap = 6.0  # beside the ring of the target
+        if 0 < number < last:
+            gap = 4.0
         for label in filter(None, (text, text.partition(" ")[0])):
             size = np.array((_DIGIT * len(label) / 2, 4.5))
             lifts = _AROUND * gap + np.sign(_AROUND.round(9)) * size
@@ -537,8 +548,8 @@ def _write(
                 best = int(np.where(free, cost, np.inf).argmin())
                 places = np.vstack((places, at[best]))
                 sizes = np.vstack((sizes, size))
-                where: Style = {"textcoords": "offset points", "ha": "center", "va": "center"}
-                ax.annotate(label, point, tuple(lifts[best]), fontsize=7.5, zorder=6, **where)
+                placing: Style = {"textcoords": "offset points", "ha": "center", "va": "center"}
+                ax.annotate(label, point, tuple(lifts[best]), fontsize=7.5, zorder=6, **placing)
                 break
 
 
@@ -548,7 +559,7 @@ def _legend_of_names(order: Sequence[int], names: Sequence[str]) -> str:
     They stand in lines below the plot, where names beside points would overlap.
     """
     named = [
-        f"{number} {_label(names[stop])}"
+        f"{number} {shortened(names[stop], _NAME_CHARS)}"
         for number, stop in enumerate(order, 1)
         if stop < len(names) and names[stop]
     ]
@@ -574,13 +585,13 @@ def plot_route(
     path: Path,
     scenario: Scenario,
     name: str,
-    names: Sequence[str] = (),
-    known: str = "",
+    names: Sequence[str],
+    status: str,
 ) -> None:
     """Draw a path by its turns.
 
     The via points and both poses of the scenario are drawn, too. `names` are those of the stops, in
-    the order of the scenario; `known` ends the title.
+    the order of the scenario; `status` ends the title.
 
     Lines and points are thinner where points lie close, and of many points some have numbers.
     Faint circles are those that the path drives on, for few points; arrows are headings, that at
@@ -615,7 +626,9 @@ def plot_route(
     order = _as_passed(path, scenario)
     points = np.vstack((scenario.points[:1], scenario.points[1:][order]))
     target = (float(points[-1, 0]), float(points[-1, 1]))
-    final = None if scenario.target is None else scenario.stops[-1].heading
+    final = None
+    if scenario.target is not None:
+        final = scenario.stops[-1].heading
     drawn_places = [path.sample(_CROSSINGS)[:, :2]]
     reach = np.linspace(0, 1, 50)[:, None] * max(ax.dataLim.size) / 9  # of both arrows
     for place, heading in ((path.start[:2], path.start.heading), (target, final)):
@@ -627,7 +640,7 @@ def plot_route(
         ax.set_xlabel(f"x\n\n{lines}")
     ax.set_aspect("equal", adjustable="datalim")
     ax.margins(_MARGIN)
-    title = f"{name}: length {digits(6)(path.length)}{known}"
+    title = f"{name}: length {digits(6)(path.length)}{status}"
     ax.legend(
         handles=[kinds[letter] for letter in _TURNS if letter in kinds],
         loc="lower left",
