@@ -272,7 +272,8 @@ def share_curves(
         named = [str(solver) for solver in table if solver in names]
         chosen[title] = sorted(named, key=lambda solver: not own_name(solver))[:most]
     entries = [len(solvers) for solvers in chosen.values()]
-    lines = sum(max(entries[start : start + across]) for start in range(0, len(entries), across))
+    side_by_side = [entries[start : start + across] for start in range(0, len(entries), across)]
+    lines = sum(max(row) for row in side_by_side)  # of the legends below the panels
     figure = _page_figure(0.5 + panel * down + 0.13 * lines, narrow=narrow)
     panels = figure.subplots(down, across, sharex=same_x, sharey=True, squeeze=False).ravel()
     for place, (title, table) in enumerate(shares.items()):
@@ -313,11 +314,20 @@ def _draw_shares(ax: Axes, table: pd.DataFrame, names: Mapping[str, str], palett
         (line,) = ax.step(curve.index[changed], curve[changed], where="post", **style)
         line.set_label(names.get(solver, "_"))
         lines[solver] = line
+
+    def height(solver: str) -> tuple[float, float]:
+        return round(table[solver].iloc[-1], 3), table[solver].mean()
+
     # The legend has the order in which the curves end, from the highest down.
-    order = sorted(names, key=lambda s: (-round(table[s].iloc[-1], 3), -table[s].mean()))
-    handles = [lines[solver] for solver in order]
-    place: Style = {"loc": "upper left", "bbox_to_anchor": (0.0, -0.12), "labelspacing": 0.15}
-    ax.legend(handles=handles, fontsize=6.5, handlelength=1.8, **place)
+    handles = [lines[solver] for solver in sorted(names, key=height, reverse=True)]
+    ax.legend(
+        handles=handles,
+        fontsize=6.5,
+        handlelength=1.8,
+        labelspacing=0.15,
+        loc="upper left",
+        bbox_to_anchor=(0.0, -0.12),
+    )
     ax.set(ylim=(0, 1.02))
     percent_axis(ax.yaxis)
 
@@ -346,14 +356,16 @@ def parameter_lines(
     handles: dict[str, Artist] = {}
     for place, (name, group) in enumerate(groups):
         look = looks[group["solver"].iloc[0]]
-        style: Style = {
-            "marker": _MARKERS[place % len(_MARKERS)],
-            "markerfacecolor": "none",
-            "markersize": 3.5 + growth * place,
-            "linewidth": 1.1,
-            "label": name,
-        }
-        (handles[str(name)],) = ax.plot(group[x], group[y], **look.lines, **style)
+        (handles[str(name)],) = ax.plot(
+            group[x],
+            group[y],
+            marker=_MARKERS[place % len(_MARKERS)],
+            markerfacecolor="none",
+            markersize=3.5 + growth * place,
+            linewidth=1.1,
+            label=name,
+            **look.lines,
+        )
     ax.set(xscale="log", yscale="log", xlabel=xlabel, ylabel=ylabel)
     log_axis(ax.yaxis)
     _scale(ax, *ax.get_xlim())
@@ -409,5 +421,10 @@ def _legend(figure: Figure, side: str, handles: Sequence[Artist], columns: int) 
     `side` is `upper` or `lower`; nothing is added without handles.
     """
     if handles:
-        place: Style = {"loc": f"outside {side} left", "fontsize": 7.5, "columnspacing": 1.2}
-        figure.legend(handles=handles, ncols=columns, **place)
+        figure.legend(
+            handles=handles,
+            loc=f"outside {side} left",
+            ncols=columns,
+            fontsize=7.5,
+            columnspacing=1.2,
+        )
