@@ -324,4 +324,4 @@ def left_out(run: Folder) -> list[str]:
         "of earlier code of their solvers": run.rows.stale,
         "of cells that an earlier folder has, made by other code": run.rows.replaced,
     }
-    return [f"{some(number, 'row')} {why}" for why, number in lines.items() if number]
+    return [f"{some(number, 'row')} {reason}" for reason, number in lines.items() if number]

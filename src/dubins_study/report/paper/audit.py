@@ -158,12 +158,12 @@ def _path(row: PrintedRow) -> Record:
     problem = PROBLEMS[row.label]
     printed = [ball(Decimal(cell)) for cell in row.cells[:3]]
     half = half_unit(_PLACES)
-    ends: list[tuple[arb, ...]] = []
+    ends = []
     for part in pieces(problem, row.word):
         if part == 0:
-            ends.append((part,))
+            ends.append([part])
         else:
-            ends.append((part - half, part + half))
+            ends.append([part - half, part + half])
     return row.record() | {
         "miss": float(miss(problem, printed)),
         "rounding_allows": max(float(miss(problem, corner)) for corner in product(*ends)),
@@ -226,10 +226,10 @@ def _statements() -> list[Record]:
     ends: list[arb] = []  # final headings, not wrapped
     ratios: list[float] = []  # the longer of LS and RS by the shorter
     for problem in PROBLEMS.values():
-        both = [pieces(problem, word) for word in WORDS]
-        lengths = [z[0] + z[1] + z[2] for z in both]
+        solutions = [pieces(problem, word) for word in WORDS]
+        lengths = [z[0] + z[1] + z[2] for z in solutions]
         ratios.append(float(max(lengths) / min(lengths)))
-        turned = [(z[0] - z[1]) / problem.radius for z in both]
+        turned = [(z[0] - z[1]) / problem.radius for z in solutions]
         turns += turned
         ends += [heading(problem) + turn for turn in turned]
     # With nu0 = 1, (nu1, nu2) = -(cos, sin) of the end, nu3 from (2.10) and zero on the straight, H
@@ -237,7 +237,7 @@ def _statements() -> list[Record]:
     # rate of opposite sign.
     qualify = [turn for turn in turns if positive(1 - turn.cos())]
     # phi = end + pi, and an arctangent lies where the cosine is positive
-    off = [end for end in ends if positive(end.cos())]
+    wrong_quadrant = [end for end in ends if positive(end.cos())]
     inside = [end for end in ends if positive(end) and positive(2 * arb.pi() - end)]
     crossings = _algorithm()
     left = [crossing for crossing in crossings if crossing["circle"] == "left"]
@@ -253,7 +253,7 @@ def _statements() -> list[Record]:
         "model_excess": _range(left),
         "qualify": len(qualify),
         "longest": max(ratios),
-        "off": len(off),
+        "off": len(wrong_quadrant),
         "outside": len(ends) - len(inside),
         "times": len(times),
         "ticks": sum(_is_ticks(time) for time in times),
