@@ -58,8 +58,10 @@ def _questions(results: Results) -> pd.DataFrame:
         false=false.fillna(False).astype(bool),
         time=rows["wall_s"],
     )
-    how = dict.fromkeys(_SHARED, "first") | {"right": "mean", "false": "any"}
-    return attempts.groupby(_PAIR, observed=True).agg(how | {"gap": "median", "time": "median"})
+    aggregation = dict.fromkeys(_SHARED, "first") | {"right": "mean", "false": "any"}
+    return attempts.groupby(_PAIR, observed=True).agg(
+        aggregation | {"gap": "median", "time": "median"}
+    )
 
 
 class MachineSpeed(NamedTuple):

@@ -124,8 +124,6 @@ _REGRESSIONS = (
 
 def _regressions(comparison: Comparison) -> Section:
     frame = comparison.regressions
-    kinds = frame["kind"].value_counts(sort=False)
-    what = ", ".join(f"{number} {kind}" for kind, number in kinds.items())
     text = (
         "Nothing became worse: no right answer was lost, no false claim is new, no answer is less "
         "accurate, and no solver is right less often, or slower, by the tests."
@@ -139,7 +137,9 @@ def _regressions(comparison: Comparison) -> Section:
     )
     blocks: tuple[Table, ...] = ()
     if len(frame):
-        text = f"{some(len(frame), 'regression')}: {what}."
+        numbers = frame["kind"].value_counts(sort=False)
+        kinds = ", ".join(f"{number} {kind}" for kind, number in numbers.items())
+        text = f"{some(len(frame), 'regression')}: {kinds}."
         lead = (
             "Each line is a question that the base answered better, with the command that asks it."
         )
