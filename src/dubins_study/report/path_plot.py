@@ -8,7 +8,7 @@ import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path as FilePath
-from typing import TYPE_CHECKING, Any, Protocol, cast, runtime_checkable
+from typing import TYPE_CHECKING, Protocol, cast, runtime_checkable
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -165,12 +165,26 @@ def _mark_earth(ax: Axes) -> None:
     most = ax.dataLim.width / 4
     power = 10.0 ** np.floor(np.log10(most))
     bar = max(step * power for step in (1, 2, 5) if step * power <= most)
-    corner: dict[str, Any] = {"bbox_to_anchor": (0.95, 1), "bbox_transform": ax.transAxes}
-    look: dict[str, Any] = {"loc": "lower right", "frameon": False, "label_top": True}
-    ax.add_artist(AnchoredSizeBar(ax.transData, bar, f"{bar:g} m", **corner, **look))
-    arrow = {"arrowstyle": "<|-", "color": INK}
-    above: dict[str, Any] = {"xycoords": "axes fraction", "textcoords": "offset points"}
-    ax.annotate("N", (0.98, 1.005), (0, 24), ha="center", arrowprops=arrow, **above)
+    scale_bar = AnchoredSizeBar(
+        ax.transData,
+        bar,
+        f"{bar:g} m",
+        loc="lower right",
+        frameon=False,
+        label_top=True,
+        bbox_to_anchor=(0.95, 1),
+        bbox_transform=ax.transAxes,
+    )
+    ax.add_artist(scale_bar)
+    ax.annotate(
+        "N",
+        (0.98, 1.005),
+        (0, 24),
+        xycoords="axes fraction",
+        textcoords="offset points",
+        ha="center",
+        arrowprops={"arrowstyle": "<|-", "color": INK},
+    )
 
 
 def _plot(

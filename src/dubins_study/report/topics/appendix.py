@@ -35,15 +35,16 @@ def solvers_section(results: Results) -> Section | None:
         return None
     frame = names.reset_index(names="solver")
     settings_of = results.settings
-    not_default = []
-    defaults = []
+    stated_texts = []
+    default_texts = []
     for spec in frame["solver"]:
         stated = parse_spec(spec)[1]
-        others = {k: v for k, v in settings_of.get(spec, {}).items() if k not in stated}
-        not_default.append(_listed(stated))
-        defaults.append(_listed(others))
-    frame["given"] = not_default
-    frame["defaults"] = defaults
+        every = settings_of.get(spec, {})
+        defaults = {name: value for name, value in every.items() if name not in stated}
+        stated_texts.append(_listed(stated))
+        default_texts.append(_listed(defaults))
+    frame["given"] = stated_texts
+    frame["defaults"] = default_texts
     caption = (
         "Short names and specs. A spec names the settings that are not the default; the solver's "
         "manifest has the others. Provenance has its hash and the versions of its packages."
@@ -62,7 +63,7 @@ def solvers_section(results: Results) -> Section | None:
 
 def _listed(settings: Mapping[str, Any]) -> str:
     texts = {"True": "yes", "False": "no"}
-    return ", ".join(f"{key} {texts.get(str(v), v)}" for key, v in settings.items())
+    return ", ".join(f"{key} {texts.get(str(value), value)}" for key, value in settings.items())
 
 
 def runs(folders: Iterable[Folder]) -> pd.DataFrame:

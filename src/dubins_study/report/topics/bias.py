@@ -80,7 +80,10 @@ def left_over(results: Results) -> pd.DataFrame:
 
 
 def _right_turn(path: Path | None) -> float:
-    """The length of a path's right turns; NaN without a path."""
+    """The length of a path's right turns.
+
+    NaN without a path.
+    """
     if path is None:
         return math.nan
     return float(path.lengths[path.curvatures < 0].sum())

@@ -195,7 +195,7 @@ def rank_table(ranked: pd.DataFrame, shift: float, limit_s: float) -> Table:
 
 
 def _place_text(rank: Any, best: Any, worst: Any) -> str:
-    """A rank, or the range of a method without one."""
+    """A rank, or the range of ranks."""
     if rank is pd.NA:
         return f"none\n({best} to {worst})"
     return str(rank)

@@ -160,8 +160,8 @@ def _text(frame: pd.DataFrame) -> str:
         "silent": "silent",
         "wrong": "wrong",
     }
-    sums = frame[list(names)].sum()
-    parts = [f"{text}: {share(sums[name] / max(reached, 1))}" for name, text in names.items()]
+    shares = frame[list(names)].sum() / max(reached, 1)
+    parts = [f"{text}: {share(shares[name])}" for name, text in names.items()]
     denied = frame[frame["denied"] > 0]
     by_presolve = ""
     if presolved:

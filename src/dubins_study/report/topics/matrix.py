@@ -40,7 +40,6 @@ from dubins_study.report.elements.style import (
     ON_MAP,
     PAPER,
     WIDE,
-    Style,
     new_figure,
 )
 from dubins_study.report.statistics.intervals import scenario_shares
@@ -75,10 +74,10 @@ def matrix(methods: pd.DataFrame, entries: Sequence[MatrixEntry]) -> pd.DataFram
     names = {*best["formulation"], *(entry.formulation for entry in usable)}
     formulations = [name for name in FORMULATIONS if name in names]
     formulations += sorted(names - set(formulations))
-    why = {(e.engine, e.formulation): e.reason or _NOT_ASKED for e in usable}
+    reasons = {(entry.engine, entry.formulation): entry.reason or _NOT_ASKED for entry in usable}
     lines: list[tuple[str, ...]] = []
     for kind, engine in _engines(usable, best):
-        lines += [(kind, engine, name, why.get((engine, name), "")) for name in formulations]
+        lines += [(kind, engine, name, reasons.get((engine, name), "")) for name in formulations]
     pairs = pd.DataFrame(lines, columns=["kind", "engine", "formulation", "reason"])
     cells = pairs.merge(best, on=["engine", "formulation"], how="left")
     cells["filled"] = cells["filled"].eq(True)
@@ -169,9 +168,16 @@ def plot_matrix(ax: Axes, cells: pd.DataFrame, size: float) -> None:
     across = len(names)
     # by engine, then by formulation
     shares = cells["right_share"].to_numpy(dtype=np.float64).reshape(lines, across)
-    gaps: Style = {"edgecolors": PAPER, "linewidth": 1.2}
-    drawn = np.ma.masked_invalid(shares)
-    ax.pcolormesh(range(across), range(lines), drawn, cmap=DEPTH, vmin=0, vmax=1, **gaps)
+    ax.pcolormesh(
+        range(across),
+        range(lines),
+        np.ma.masked_invalid(shares),
+        cmap=DEPTH,
+        vmin=0,
+        vmax=1,
+        edgecolors=PAPER,
+        linewidth=1.2,
+    )
     ax.invert_yaxis()
     for place, cell in enumerate(cells.to_dict("records")):
         text = ""
@@ -185,13 +191,26 @@ def plot_matrix(ax: Axes, cells: pd.DataFrame, size: float) -> None:
                 ink = MAP_PAPER
             if cell["few"]:
                 text += "*"
-        style: Style = {"ha": "center", "va": "center", "fontsize": size, "color": ink}
-        # the layout need not measure what lies inside the axes
-        ax.text(place % across, place // across, text, in_layout=False, **style)
+        ax.text(
+            place % across,
+            place // across,
+            text,
+            ha="center",
+            va="center",
+            fontsize=size,
+            color=ink,
+            in_layout=False,  # the layout need not measure what lies inside the axes
+        )
     ax.set_yticks(range(lines), engines["engine"], color=INK, fontsize=7)
-    # Aslant, since a name is wider than its column.
-    aslant: Style = {"rotation": 40, "ha": "left", "rotation_mode": "anchor", "fontsize": size}
-    ax.set_xticks(range(across), names, color=INK, **aslant)
+    ax.set_xticks(
+        range(across),
+        names,
+        rotation=40,  # since a name is wider than its column
+        rotation_mode="anchor",
+        ha="left",
+        color=INK,
+        fontsize=size,
+    )
     ax.xaxis.tick_top()
     ax.tick_params(length=0)
     ax.grid(False)

@@ -20,7 +20,6 @@ from dubins_study.report.elements.looks import LINES, Palette, in_page_order
 from dubins_study.report.elements.style import (
     INK,
     MUTED,
-    Style,
     mark_limit,
     plain_log_axis,
 )
@@ -140,9 +139,15 @@ def _draw_sweep(ax: Axes, rows: pd.DataFrame, circle: float, palette: Palette) -
     largest = references["radius"].max()
     if smallest < circle < largest:
         mark_limit(ax, circle)
-        style: Style = {"ha": "center", "fontsize": 8, "color": MUTED}
-        above = ax.get_xaxis_transform()
-        ax.text(circle, 1.02, f"R* = {digits(4)(circle)}", transform=above, **style)
+        ax.text(
+            circle,
+            1.02,
+            f"R* = {digits(4)(circle)}",
+            transform=ax.get_xaxis_transform(),
+            ha="center",
+            fontsize=8,
+            color=MUTED,
+        )
     ax.set(xscale="log", xlim=(smallest, largest), xlabel="turning radius R", ylabel="length")
     foot = references["length"].min()
     top = max(references["length"].max(), wrong["length"].max(skipna=True))

@@ -17,7 +17,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.patches import Circle, Patch
+from matplotlib.patches import Patch
 from matplotlib.ticker import NullLocator
 
 from dubins_study.report.data.attempts import ENOUGH_ASKED, EXACT, TRIAL, is_true, legs_of, own
@@ -52,7 +52,7 @@ from dubins_study.report.statistics.intervals import scenario_shares
 from dubins_study.report.statistics.methods import best_methods, methods_of, stratum_order
 from dubins_study.report.statistics.metrics import success, upper_quantile
 from dubins_study.report.topics.maps import draw_kinds
-from dubins_study.report.topics.paper_figures import plot_start_and_target
+from dubins_study.report.topics.paper_figures import draw_turning_circle, plot_start_and_target
 from dubins_study.report.topics.summary import solver_summary
 from dubins_study.study.arrays import BoolArray, FloatArray
 from dubins_study.study.check.verdict import visits_of
@@ -343,8 +343,14 @@ def plot_sizes(
     marks = gaps.values()
     patches = [Patch(facecolor=mark.colour, edgecolor=RULE, label=mark.key) for mark in marks]
     style: Style = {"fontsize": 7, "columnspacing": 1.2}
-    key: Style = {"title": "median gap", "alignment": "left", "loc": "outside upper left"}
-    figure.legend(handles=patches, ncols=gaps_across, **key, **style)
+    figure.legend(
+        handles=patches,
+        title="median gap",
+        alignment="left",
+        loc="outside upper left",
+        ncols=gaps_across,
+        **style,
+    )
     figure.legend(handles=[*lines.values()], loc="outside lower left", ncols=lines_across, **style)
     return figure
 
@@ -373,8 +379,15 @@ def plot_success(
     whole = pd.MultiIndex.from_product((range(len(sizes)), range(len(solvers))), names=["x", "y"])
     draw_kinds(ax, placed.set_index(["x", "y"]).reindex(whole).reset_index(), marks)
     for cell in placed.to_dict("records"):
-        style: Style = {"ha": "center", "va": "center", "fontsize": 5.5}
-        ax.text(cell["x"], cell["y"], _cell_text(cell), color=cell["colour"], **style)
+        ax.text(
+            cell["x"],
+            cell["y"],
+            _cell_text(cell),
+            ha="center",
+            va="center",
+            fontsize=5.5,
+            color=cell["colour"],
+        )
     ax.hlines(np.arange(len(solvers)) - 0.5, *ax.get_xlim(), color=MAP_PAPER, linewidth=0.6)
     ax.vlines(np.arange(len(sizes)) - 0.5, *ax.get_ylim(), color=MAP_PAPER, linewidth=0.6)
     ax.set_ylim(len(solvers) - 0.5, -0.5)
@@ -408,8 +421,15 @@ def plot_times(
     lines = {}
     for solver, rows in cells.groupby("solver", sort=False):
         look = looks[str(solver)]
-        style: Style = look.lines | {"marker": look.marker, "markersize": 3, "linewidth": 1.0}
-        [line] = ax.plot(rows[size], rows["wall_s"], label=names[str(solver)], **style)
+        [line] = ax.plot(
+            rows[size],
+            rows["wall_s"],
+            marker=look.marker,
+            markersize=3,
+            linewidth=1.0,
+            label=names[str(solver)],
+            **look.lines,
+        )
         lines[str(solver)] = line
     size_axes(ax, cells[size], cells["wall_s"])
     return lines
@@ -523,13 +543,7 @@ def _write(
     edge = unit * (ax.dataLim.get_points() + np.array((-margin, margin)))
     for number, text in enumerate(texts):
         point = points[number]
-        outside = np.zeros(2)
-        if number:
-            outside += _unit(point - points[number - 1])
-        if number < last:
-            outside -= _unit(points[number + 1] - point)
-        if np.hypot(*outside) < 1e-3:  # beside a straight
-            outside = _unit(points[number + 1] - points[number - 1])[::-1] * (-1, 1)
+        outside = _outside(points, number)
         gap = 6.0  # beside the ring of the target
         if 0 < number < last:
             gap = 4.0
@@ -544,13 +558,35 @@ def _write(
                 beyond = ((at - size < edge[0]) | (at + size > edge[1])).any(axis=1)
                 away = np.linalg.norm(unit * points - at[:, None], axis=2)
                 another = away.min(axis=1) < away[:, number] - 1e-6  # is nearer than its own
-                cost = 4 * crossed + 3 * beyond + 2 * another - _AROUND @ _unit(outside)
+                cost = 4 * crossed + 3 * beyond + 2 * another - _AROUND @ outside
                 best = int(np.where(free, cost, np.inf).argmin())
                 places = np.vstack((places, at[best]))
                 sizes = np.vstack((sizes, size))
-                placing: Style = {"textcoords": "offset points", "ha": "center", "va": "center"}
-                ax.annotate(label, point, tuple(lifts[best]), fontsize=7.5, zorder=6, **placing)
+                ax.annotate(
+                    label,
+                    point,
+                    tuple(lifts[best]),
+                    textcoords="offset points",
+                    ha="center",
+                    va="center",
+                    fontsize=7.5,
+                    zorder=6,
+                )
                 break
+
+
+def _outside(points: FloatArray, number: int) -> FloatArray:
+    """The direction out of the path's bend at a point."""
+    point = points[number]
+    outside = np.zeros(2)
+    if number:
+        outside += _unit(point - points[number - 1])
+    if number < len(points) - 1:
+        outside -= _unit(points[number + 1] - point)
+    if np.hypot(*outside) < 1e-3:  # beside a straight
+        along = _unit(points[number + 1] - points[number - 1])
+        outside = along[::-1] * (-1, 1)
+    return _unit(outside)
 
 
 def _legend_of_names(order: Sequence[int], names: Sequence[str]) -> str:
@@ -606,8 +642,7 @@ def plot_route(
         begins = path.poses[:-1][driven]
         for (x, y, heading), k in zip(begins, path.curvatures[driven], strict=True):
             centre = (x - math.sin(heading) / k, y + math.cos(heading) / k)
-            faint: dict[str, Any] = {"fill": False, "edgecolor": RULE, "linewidth": 0.8}
-            ax.add_patch(Circle(centre, 1 / abs(k), zorder=1, **faint))
+            draw_turning_circle(ax, centre, 1 / abs(k))
     ax.update_datalim(np.vstack((poses[:, :2], scenario.points)))
     unit = _points_per_unit(ax)
     legs = np.hypot(*np.diff(scenario.points, axis=0).T)

@@ -227,13 +227,12 @@ def packed(rows: pd.DataFrame, more: Mapping[str, Any]) -> bytes:
     columns |= {name: rows[name].eq(True).astype(int).tolist() for name in FLAGS}
     columns |= {name: rows[name].tolist() for name in ("repeat", "worst")}
     columns["scenario"], scenarios = _scenarios(rows)
-    controls = zip(rows["curvatures"], rows["lengths"], rows["radius"], strict=True)
     content: dict[str, Any] = {
         "count": len(rows),
         "texts": texts,
         "columns": columns,
         "scenarios": scenarios,
-        "paths": [arcs_of(*each) for each in controls],
+        "paths": [*map(arcs_of, rows["curvatures"], rows["lengths"], rows["radius"])],
         **more,
     }
     text = json.dumps(content, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
@@ -273,7 +272,10 @@ def _scenarios(rows: pd.DataFrame) -> tuple[list[int], dict[str, list[Any]]]:
 
 
 def _plain(value: Any) -> Any:
-    """A value for JSON: an array as a list, with None for NaN."""
+    """A value that JSON can hold.
+
+    An array becomes a list, with None for NaN.
+    """
     if isinstance(value, np.ndarray):
         return [_rounded(number, 17) for number in value]
     return value
@@ -288,8 +290,10 @@ def arcs_of(
     """
     if curvatures is None or not len(curvatures):
         return None
-    arcs = zip(curvatures, lengths, strict=True)
-    return [[_rounded(k * radius, _ARC_DIGITS), _rounded(s / radius, _ARC_DIGITS)] for k, s in arcs]
+    return [
+        [_rounded(curvature * radius, _ARC_DIGITS), _rounded(length / radius, _ARC_DIGITS)]
+        for curvature, length in zip(curvatures, lengths, strict=True)
+    ]
 
 
 TOPIC = Topic("single attempts", attempts_section, General.EVERY)
