@@ -49,17 +49,9 @@ def methods_of(rows: pd.DataFrame) -> pd.DataFrame:
     stated = rows.groupby("solver", observed=True)[_STATED].first().fillna(UNSTATED)
     names = stated.index.map(own_name).to_series(stated.index)
     stated["engine"] = names.where(names != "", stated["engine"])
-    settings: dict[str, str] = {}
-    presolves = {}
-    for name, group in stated.groupby("formulation"):
-        keys = _differing_keys([parse_spec(spec)[1] for spec in group.index])
-        presolves[str(name)] = keys & {_PRESOLVE}
     # A warm question's path is the question's own guess, not the method's.
     base_guess = stated["guess"].str.replace(" or warm", "", regex=False)
-    methods = stated.groupby([stated["formulation"], stated["engine"], base_guess], sort=False)
-    for (formulation, engine, _), group in methods:
-        also = presolves[str(formulation)]
-        settings |= _differing(group.index.tolist(), named=engine == UNSTATED, also=also)
+    settings = _settings_texts(stated, base_guess)
     frame = stated.assign(settings=[settings[spec] for spec in stated.index])
     guesses = base_guess.groupby([frame["formulation"], frame["engine"]]).transform("nunique")
     starts = base_guess.replace("none", "no") + " start"
@@ -78,6 +70,20 @@ def methods_of(rows: pd.DataFrame) -> pd.DataFrame:
         spec=_places(frame.index.to_series(), sorted(frame.index, key=natural)),
     )
     return frame.loc[order.sort_values(["others", *_STATED, "settings", "spec"]).index]
+
+
+def _settings_texts(stated: pd.DataFrame, guesses: pd.Series[str]) -> dict[str, str]:
+    """The settings of each spec that its name shows."""
+    presolves = {}
+    for name, group in stated.groupby("formulation"):
+        keys = _differing_keys([parse_spec(spec)[1] for spec in group.index])
+        presolves[str(name)] = keys & {_PRESOLVE}
+    texts: dict[str, str] = {}
+    methods = stated.groupby([stated["formulation"], stated["engine"], guesses], sort=False)
+    for (formulation, engine, _), group in methods:
+        also = presolves[str(formulation)]
+        texts |= _differing(group.index.tolist(), named=engine == UNSTATED, also=also)
+    return texts
 
 
 def _sentence_name(engine: str, details: str, formulation: str) -> str:

@@ -633,29 +633,14 @@ def plot_route(
     Faint circles are those that the path drives on, for few points; arrows are headings, that at
     the target only if it is given. The legend has the length and the kinds of pieces.
     """
-    poses, curvatures = outline(path)
-    bend = np.abs(path.curvatures)
-    straight = RIPPLE * float(bend.max(initial=0.0))
     if scenario.legs <= _MOST_CIRCLES:
-        turns = bend * path.lengths
-        driven = (bend * scenario.radius > 1 - RIPPLE) & (turns > _SMALL_TURN)
-        begins = path.poses[:-1][driven]
-        for (x, y, heading), k in zip(begins, path.curvatures[driven], strict=True):
-            centre = (x - math.sin(heading) / k, y + math.cos(heading) / k)
-            draw_turning_circle(ax, centre, 1 / abs(k))
-    ax.update_datalim(np.vstack((poses[:, :2], scenario.points)))
+        _draw_driven_circles(ax, path, scenario.radius)
+    ax.update_datalim(np.vstack((outline(path)[0][:, :2], scenario.points)))
     unit = _points_per_unit(ax)
     legs = np.hypot(*np.diff(scenario.points, axis=0).T)
     room = min(unit * float(np.median(legs)) / _WIDE_LEG, 1.0)
-    thin = max(room, _THINNEST_LINE)
     dot = 3.5 * max(room, _SMALLEST_DOT)
-    kinds: dict[str, Any] = {}
-    sides = np.where(np.abs(curvatures) <= straight, 0, np.sign(curvatures)).astype(int)
-    for letter, (kind, look) in _TURNS.items():
-        runs = _runs(poses[:, :2], sides == "RSL".index(letter) - 1)
-        if len(runs):
-            thinned = look | {"linewidth": thin * look["linewidth"]}
-            kinds[letter] = ax.plot(*runs.T, zorder=3, label=kind, **thinned)[0]
+    lines = _draw_pieces(ax, path, max(room, _THINNEST_LINE))
     via = scenario.points[1 : len(scenario.via) + 1]
     ax.plot(*via.T, "o", color=INK, markersize=dot, markeredgewidth=0, zorder=5)
     order = _as_passed(path, scenario)
@@ -671,20 +656,48 @@ def plot_route(
             drawn_places.append(place + reach * (math.cos(heading), math.sin(heading)))
     _write(ax, points, _texts(scenario, order, names), unit, np.concatenate(drawn_places))
     plot_start_and_target(ax, path.start, target, final)
-    if lines := _legend_of_names(order, names):
-        ax.set_xlabel(f"x\n\n{lines}")
+    if names_below := _legend_of_names(order, names):
+        ax.set_xlabel(f"x\n\n{names_below}")
     ax.set_aspect("equal", adjustable="datalim")
     ax.margins(_MARGIN)
-    title = f"{name}: length {digits(6)(path.length)}{status}"
     ax.legend(
-        handles=[kinds[letter] for letter in _TURNS if letter in kinds],
+        handles=lines,
         loc="lower left",
         bbox_to_anchor=(0, 1.0),
         borderaxespad=0.2,
         ncols=len(_TURNS),
-        title=title,
+        title=f"{name}: length {digits(6)(path.length)}{status}",
         alignment="left",
     )
+
+
+def _draw_driven_circles(ax: Axes, path: Path, radius: float) -> None:
+    """Draw the turning circles that a path drives on."""
+    bend = np.abs(path.curvatures)
+    driven = (bend * radius > 1 - RIPPLE) & (bend * path.lengths > _SMALL_TURN)
+    begins = path.poses[:-1][driven]
+    for (x, y, heading), curvature in zip(begins, path.curvatures[driven], strict=True):
+        centre = (x - math.sin(heading) / curvature, y + math.cos(heading) / curvature)
+        draw_turning_circle(ax, centre, 1 / abs(curvature))
+
+
+def _draw_pieces(ax: Axes, path: Path, thin: float) -> list[Line2D]:
+    """Draw left turns, straights and right turns.
+
+    Their lines have `thin` times their full width. Returns one line for each kind that the path
+    has.
+    """
+    poses, curvatures = outline(path)
+    straight = RIPPLE * float(np.abs(path.curvatures).max(initial=0.0))
+    sides = np.where(np.abs(curvatures) <= straight, 0, np.sign(curvatures)).astype(int)
+    lines = []
+    for letter, (kind, look) in _TURNS.items():
+        runs = _runs(poses[:, :2], sides == "RSL".index(letter) - 1)
+        if len(runs):
+            thinned = look | {"linewidth": thin * look["linewidth"]}
+            [line] = ax.plot(*runs.T, zorder=3, label=kind, **thinned)
+            lines.append(line)
+    return lines
 
 
 TOPIC = Topic("routes", routes_section, "routes", (General.BENCHMARKED,), place=Place.FRONT)
