@@ -203,7 +203,8 @@ def _placed(table: pd.DataFrame, size: float, most: int) -> pd.DataFrame:
     letters = (lines["short"] + lines["note"]).str.len()
     for across in range(most, 0, -1):
         column = (across * middle / (place.iloc[-1] + 0.5)).astype(int)
-        texts = letters.groupby(column).max().sum() * _LETTER * size / 72
+        longest = letters.groupby(column).max()
+        texts = longest.sum() * _LETTER * size / 72  # inches
         if WIDE - texts >= across * _SHORTEST_BAR:
             break
     first = place.groupby(column).transform("min")
@@ -220,10 +221,10 @@ def _name(ax: Axes, rows: pd.DataFrame, size: float) -> None:
     for place, note in zip(rows["place"], rows["note"], strict=True):
         ax.text(1.02, place, note, transform=across, va="center", fontsize=size, color=MUTED)
     width = _LETTER * size * rows["short"].str.len().max()
-    for _, first in rows.drop_duplicates("formulation").iterrows():
+    for _, top in rows.drop_duplicates("formulation").iterrows():
         ax.annotate(
-            first["title"],
-            (0, first["place"] - 0.6),
+            top["title"],
+            (0, top["place"] - 0.6),
             xycoords=across,
             xytext=(-width, 0),
             textcoords="offset points",
