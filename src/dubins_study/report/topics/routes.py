@@ -576,7 +576,7 @@ def _write(
 
 
 def _outside(points: FloatArray, number: int) -> FloatArray:
-    """The direction out of the path's bend at a point."""
+    """The direction out of the path's bend."""
     point = points[number]
     outside = np.zeros(2)
     if number:
