@@ -8,7 +8,7 @@ import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path as FilePath
-from typing import TYPE_CHECKING, Any, Protocol, cast, runtime_checkable
+from typing import TYPE_CHECKING, Protocol, cast, runtime_checkable
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -83,7 +83,9 @@ def plot_path(
         PlotError: if there is no path, a number of it is not finite, `drawn` or `ax` is something
             else, the format is unknown or the file cannot be written.
     """
-    place = None if file is None else check_format(file)
+    place = None
+    if file is not None:
+        place = check_format(file)
     if ax is not None and not isinstance(ax, Axes):
         raise PlotError(f"ax is {short(ax)}; expected axes of matplotlib")
     name, path, scenario = _subject(drawn)
@@ -92,18 +94,18 @@ def plot_path(
     named_paths = {lines: path}
     if (reference := _reference(drawn)) is not None:
         named_paths = {"shortest": reference, **named_paths}
-    known = _known(drawn, geographic)
+    status = _status_text(drawn, geographic)
     with drawing(), _one_warning_of_letters():
         if ax is None:
             figure = new_figure(_WIDTH, _HEIGHT[1])
             axes = figure.add_subplot()
-            _plot(axes, named_paths, scenario, names, known, geographic)
+            _plot(axes, named_paths, scenario, names, status, geographic)
             aspect = axes.dataLim.height / axes.dataLim.width
             figure.set_size_inches(_WIDTH, min(max(_WIDTH * aspect + 0.6, _HEIGHT[0]), _HEIGHT[1]))
             fix_layout(figure)
         else:
             figure = cast("Figure", ax.get_figure(root=True))
-            _plot(ax, named_paths, scenario, names, known, geographic)
+            _plot(ax, named_paths, scenario, names, status, geographic)
         if place is not None:
             image = figure_bytes(figure, place.suffix.lower().removeprefix("."))
             try:
@@ -122,23 +124,30 @@ def _one_warning_of_letters() -> Iterator[None]:
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         yield
-    others = [each for each in caught if "missing from font" not in str(each.message)]
-    for each in others:
-        warnings.warn_explicit(each.message, each.category, each.filename, each.lineno)
-    if len(others) < len(caught):
+    unrelated = [warning for warning in caught if "missing from font" not in str(warning.message)]
+    for warning in unrelated:
+        warnings.warn_explicit(warning.message, warning.category, warning.filename, warning.lineno)
+    if len(unrelated) < len(caught):
         _LOG.warning("dubins-study: the plot's font lacks letters of a name; boxes stand for them")
 
 
-def _known(drawn: object, geographic: bool) -> str:
+def _status_text(drawn: object, geographic: bool) -> str:
     """The title's text behind the length.
 
     Proof or verdict, and the time at a given speed.
     """
-    metre, second = (" m", " s") if geographic else ("", "")
-    proof, verdict = getattr(drawn, "proof", None), getattr(drawn, "verdict", None)
-    status = "proved" if proof == "proved" else verdict
-    text = f"{metre}, {status}" if status else metre
-    time, scenario = getattr(drawn, "travel_time", None), getattr(drawn, "scenario", None)
+    text = ""
+    second = ""
+    if geographic:
+        text = " m"
+        second = " s"
+    status = getattr(drawn, "verdict", None)
+    if getattr(drawn, "proof", None) == "proved":
+        status = "proved"
+    if status:
+        text += f", {status}"
+    time = getattr(drawn, "travel_time", None)
+    scenario = getattr(drawn, "scenario", None)
     if time is not None and isinstance(scenario, Scenario) and scenario.speed != 1:
         text += f", time {time:.4g}{second}"
     return text
@@ -156,12 +165,26 @@ def _mark_earth(ax: Axes) -> None:
     most = ax.dataLim.width / 4
     power = 10.0 ** np.floor(np.log10(most))
     bar = max(step * power for step in (1, 2, 5) if step * power <= most)
-    corner: dict[str, Any] = {"bbox_to_anchor": (0.95, 1), "bbox_transform": ax.transAxes}
-    look: dict[str, Any] = {"loc": "lower right", "frameon": False, "label_top": True}
-    ax.add_artist(AnchoredSizeBar(ax.transData, bar, f"{bar:g} m", **corner, **look))
-    arrow = {"arrowstyle": "<|-", "color": INK}
-    above: dict[str, Any] = {"xycoords": "axes fraction", "textcoords": "offset points"}
-    ax.annotate("N", (0.98, 1.005), (0, 24), ha="center", arrowprops=arrow, **above)
+    scale_bar = AnchoredSizeBar(
+        ax.transData,
+        bar,
+        f"{bar:g} m",
+        loc="lower right",
+        frameon=False,
+        label_top=True,
+        bbox_to_anchor=(0.95, 1),
+        bbox_transform=ax.transAxes,
+    )
+    ax.add_artist(scale_bar)
+    ax.annotate(
+        "N",
+        (0.98, 1.005),
+        (0, 24),
+        xycoords="axes fraction",
+        textcoords="offset points",
+        ha="center",
+        arrowprops={"arrowstyle": "<|-", "color": INK},
+    )
 
 
 def _plot(
@@ -169,7 +192,7 @@ def _plot(
     named_paths: Mapping[str, Path],
     scenario: Scenario,
     names: Sequence[str],
-    known: str,
+    status: str,
     geographic: bool,
 ) -> None:
     """Draw the paths of a scenario.
@@ -178,14 +201,14 @@ def _plot(
     """
     if kind_of(scenario).drawing == "route":
         [(name, path)] = named_paths.items()
-        plot_route(ax, path, scenario, name, names, known)
+        plot_route(ax, path, scenario, name, names, status)
     else:
-        _plot_leg(ax, named_paths, scenario, known)
+        _plot_leg(ax, named_paths, scenario, status)
     if geographic:
         _mark_earth(ax)
 
 
-def _plot_leg(ax: Axes, named_paths: Mapping[str, Path], scenario: Scenario, known: str) -> None:
+def _plot_leg(ax: Axes, named_paths: Mapping[str, Path], scenario: Scenario, status: str) -> None:
     """Draw one or two paths of one leg.
 
     The known facts stand with the name of the last one.
@@ -195,7 +218,7 @@ def _plot_leg(ax: Axes, named_paths: Mapping[str, Path], scenario: Scenario, kno
         for name, path in named_paths.items()
     }
     last_name, path = texts.popitem()
-    texts[f"{last_name}{known}"] = path
+    texts[f"{last_name}{status}"] = path
     plot_paths(ax, texts, scenario)
 
 
@@ -218,13 +241,15 @@ def _reference(drawn: object) -> Path | None:
 
     It is the path of the answer's branch; None unless the answer is longer or misses the target.
     """
-    branch, scenario = getattr(drawn, "branch", None), getattr(drawn, "scenario", None)
+    branch = getattr(drawn, "branch", None)
+    scenario = getattr(drawn, "scenario", None)
     judged_badly = getattr(drawn, "verdict", None) in (Verdict.LONGER, Verdict.MISSES)
     if not (judged_badly and isinstance(branch, str) and isinstance(scenario, Scenario)):
         return None
     kind = kind_of(scenario)
-    compares = kind.drawing == "circles" and branch in kind.branches
-    return kind.reference(scenario, branch, DEFAULT).path if compares else None
+    if kind.drawing != "circles" or branch not in kind.branches:
+        return None
+    return kind.reference(scenario, branch, DEFAULT).path
 
 
 def _subject(drawn: Answered | Path) -> tuple[str, Path, Scenario]:
@@ -232,15 +257,19 @@ def _subject(drawn: Answered | Path) -> tuple[str, Path, Scenario]:
 
     The name is for the legend.
     """
-    path = drawn if isinstance(drawn, Path) else getattr(drawn, "path", None)
+    path = getattr(drawn, "path", None)
+    if isinstance(drawn, Path):
+        path = drawn
     with np.errstate(all="ignore"):
         if isinstance(path, Path) and not np.isfinite(path.poses).all():
             raise PlotError("the path is not finite")
     if isinstance(drawn, Path):
         sharpest = float(np.abs(drawn.curvatures).max(initial=0.0))
-        radius = 1 / sharpest if sharpest > 0 else 1.0
-        x, y = drawn.end.x, drawn.end.y
-        return "path", drawn, Scenario(*drawn.start, x, y, radius, _radians=True)
+        radius = 1.0
+        if sharpest > 0:
+            radius = 1 / sharpest
+        end = drawn.end
+        return "path", drawn, Scenario(*drawn.start, end.x, end.y, radius, _radians=True)
     if isinstance(drawn, type) or not isinstance(drawn, Answered):
         raise PlotError(f"drawn is {short(drawn)}; expected an answer of solve, or a Path")
     if drawn.path is None:

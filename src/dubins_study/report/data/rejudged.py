@@ -5,11 +5,11 @@ The check reads their controls when the rows are read.
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping
 from dataclasses import fields, replace
 from typing import Any, NamedTuple
 
-import pandas as pd
 import pyarrow as pa
 
 from dubins_study.report.data.attempts import UNTAKEN
@@ -51,8 +51,8 @@ def same_set_up(one: Manifest, other: Manifest) -> bool:
 
     One machine, and one version of each package of both.
     """
-    both = one.versions.keys() & other.versions.keys()
-    alike = all(one.versions[name] == other.versions[name] for name in both)
+    shared = one.versions.keys() & other.versions.keys()
+    alike = all(one.versions[name] == other.versions[name] for name in shared)
     return one.machine == other.machine and alike
 
 
@@ -64,29 +64,25 @@ def judged_anew(rows: pa.Table, manifest: Manifest) -> tuple[pa.Table, Recheck]:
     """
     records = rows.to_pylist()
     left = sum(row["branch"] in BRANCHES_WITHOUT_PATH for row in records)
-    asked = [
-        place
+    new_values = {
+        place: _checked(row, manifest)
         for place, row in enumerate(records)
         if row["branch"] not in BRANCHES_WITHOUT_PATH and row["outcome"] != UNTAKEN
-    ]
-    new_values = {place: _checked(records[place], manifest) for place in asked}
-    differs = pd.DataFrame(
-        [
-            {name: not _agree(records[place][name], new[name]) for name in _NAMED}
-            for place, new in new_values.items()
-        ],
-        columns=list(_NAMED),
-        dtype=bool,
-    )
+    }
+    changed = 0
+    differing: Counter[str] = Counter()
+    for place, new in new_values.items():
+        columns = [name for name in _NAMED if not _agree(records[place][name], new[name])]
+        changed += bool(columns)
+        differing.update(columns)
     for name in _CHECKED:
         values = [new_values.get(place, row)[name] for place, row in enumerate(records)]
         field = rows.schema.field(name)
         rows = rows.set_column(
             rows.schema.get_field_index(name), field, pa.array(values, field.type)
         )
-    counts = {name: int(differs[name].sum()) for name in _NAMED if differs[name].any()}
-    changed = int(differs.any(axis=1).sum())
-    return rows, Recheck(len(asked), left, changed, counts)
+    counts = {name: differing[name] for name in _NAMED if differing[name]}
+    return rows, Recheck(len(new_values), left, changed, counts)
 
 
 def _checked(row: Mapping[str, Any], manifest: Manifest) -> dict[str, Any]:
@@ -97,24 +93,35 @@ def _checked(row: Mapping[str, Any], manifest: Manifest) -> dict[str, Any]:
     scenario = scenario_of(row)
     branch = row["branch"]
     usual = PROFILES.get(row["profile"], PROFILES["default"])
-    limit = usual.search_s if is_missing(row["limit_s"]) else min(row["limit_s"], usual.search_s)
+    limit = usual.search_s
+    if not is_missing(row["limit_s"]):
+        limit = min(row["limit_s"], limit)
     allowed = replace(usual, gap=manifest.gap_tolerance, search_s=limit)
     path = None
-    if row["outcome"] == "returned" and row["curvatures"] is not None:
-        path = Path(start_of(row), row["curvatures"], row["lengths"])
-    claim = Claim(row["claim"]) if row["outcome"] == "returned" else Claim.NONE
+    claim = Claim.NONE
+    if row["outcome"] == "returned":
+        claim = Claim(row["claim"])
+        if row["curvatures"] is not None:
+            path = Path(start_of(row), row["curvatures"], row["lengths"])
     judgement = judge(scenario, path, claim, branch, allowed)
-    both = row["multiplier_x"], row["multiplier_y"]
+    multipliers = None
+    stated = row["multiplier_x"], row["multiplier_y"]
+    if not any(map(is_missing, stated)):
+        multipliers = stated
     certificate = certify(
-        *(scenario, path, judgement, branch),
+        scenario,
+        path,
+        judgement,
+        branch,
         lower_bound=row["lower_bound"],
-        multipliers=None if any(map(is_missing, both)) else both,
+        multipliers=multipliers,
         tolerances=allowed,
     )
     values = vars(judgement) | vars(certificate)
     if row["presolved"]:
         values["proof"] = Proof.NONE
-    return {name: None if is_missing(values[name]) else values[name] for name in _CHECKED}
+    known = {name: value for name, value in values.items() if not is_missing(value)}
+    return {name: known.get(name) for name in _CHECKED}
 
 
 def _agree(stored: Any, new: Any) -> bool:

@@ -6,6 +6,7 @@ import logging
 from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from itertools import chain
 from pathlib import Path as FilePath
 from typing import Any, NamedTuple
 
@@ -92,8 +93,10 @@ class Results:
     @property
     def settings(self) -> dict[str, dict[str, Any]]:
         """Every spec's settings, from the manifests."""
-        entries = (folder.manifest.solvers for folder in self.folders)
-        return {spec: entry.settings for solvers in entries for spec, entry in solvers.items()}
+        settings: dict[str, dict[str, Any]] = {}
+        for folder in self.folders:
+            settings |= {spec: entry.settings for spec, entry in folder.manifest.solvers.items()}
+        return settings
 
     def only(self, experiments: Collection[str]) -> Results:
         """The attempts of some experiments, and their folders."""
@@ -160,9 +163,11 @@ def load_with_rows(
     Like `load`; an empty folder has no rows. The results are None if none has rows.
     """
     stored = _read(folders)
-    full = [each for each in stored if len(each.rows)]
-    empty = tuple(Folder(each.manifest, RowCounts()) for each in stored if not len(each.rows))
-    return (_joined(full) if full else None), empty
+    full = [folder for folder in stored if len(folder.rows)]
+    empty = tuple(Folder(folder.manifest, RowCounts()) for folder in stored if not len(folder.rows))
+    if not full:
+        return None, empty
+    return _joined(full), empty
 
 
 class _Stored(NamedTuple):
@@ -180,16 +185,17 @@ def _read(folders: str | FilePath | Iterable[str | FilePath]) -> list[_Stored]:
     Those of later arguments are judged anew if they are of another set-up. That is another machine
     or other versions than those of the first argument's folders.
     """
-    first, *later = [_results_in(given) for given in folder_paths(folders)] or [[]]
-    if not first:
+    arguments = folder_paths(folders)
+    if not arguments:
         raise ResultsError("no results folder given; expected at least one")
+    first, *later = map(_results_in, arguments)
     stored = [_Stored(path, read_manifest(path, printable=True), _rows(path)) for path in first]
-    manifests = [each.manifest for each in stored]
-    for path in (path for each in later for path in each):
+    manifests = [folder.manifest for folder in stored]
+    for path in chain.from_iterable(later):
         manifest = read_manifest(path, printable=True)
         rows = _rows(path)
         recheck: Recheck | None = None
-        if not any(same_set_up(manifest, each) for each in manifests):
+        if not any(same_set_up(manifest, first_manifest) for first_manifest in manifests):
             rows, recheck = judged_anew(rows, manifest)
         stored.append(_Stored(path, manifest, rows, recheck))
     return stored
@@ -207,43 +213,46 @@ def _results_in(folder: FilePath) -> list[FilePath]:
 
 def _read_full(folders: str | FilePath | Iterable[str | FilePath]) -> list[_Stored]:
     stored = _read(folders)
-    for each in stored:
-        if not len(each.rows):
-            raise ResultsError(f"{each.folder} has no rows: expected Parquet files in {PARTS}")
+    for entry in stored:
+        if not len(entry.rows):
+            raise ResultsError(f"{entry.folder} has no rows: expected Parquet files in {PARTS}")
     return stored
 
 
 def _rows(folder: FilePath) -> pa.Table:
-    files = part_files(folder)
-    batches = [batch for file in files for batch in printable_batches(file, _COLUMNS)]
-    return pa.concat_tables([_NO_ROWS, *batches])
+    batches = [_NO_ROWS]
+    for file in part_files(folder):
+        batches += printable_batches(file, _COLUMNS)
+    return pa.concat_tables(batches)
 
 
 def _selected(stored: Sequence[_Stored]) -> tuple[pa.Table, list[RowCounts]]:
-    manifests = [each.manifest for each in stored]
-    rows, counts = select_attempts([each.rows for each in stored], manifests)
-    for each, count in zip(stored, counts, strict=True):
+    manifests = [folder.manifest for folder in stored]
+    rows, counts = select_attempts([folder.rows for folder in stored], manifests)
+    for entry, count in zip(stored, counts, strict=True):
         if not count.current:
-            raise ResultsError(f"{each.folder} has no rows but of earlier code: run it again")
+            raise ResultsError(f"{entry.folder} has no rows but of earlier code: run it again")
         if count.other_limits:
-            _LOG.warning("dubins-study: %s: %s", each.folder, count.limits_text)
+            _LOG.warning("dubins-study: %s: %s", entry.folder, count.limits_text)
     return rows, counts
 
 
 def _joined(stored: Sequence[_Stored]) -> Results:
-    manifests = [each.manifest for each in stored]
+    manifests = [folder.manifest for folder in stored]
     rows, counts = _selected(stored)
     added = ["experiment", "answerable", "left_open", "late", "elsewhere"]
-    every = rows.select([*added, *_SCALARS]).to_pandas()
-    untaken = every["outcome"] == UNTAKEN
-    elsewhere = every[every["elsewhere"] & ~untaken]
-    for name in MEASURED_TIMES if len(elsewhere) else ():
-        every[name] = every[name].mask(every["elsewhere"])
+    frame = rows.select([*added, *_SCALARS]).to_pandas()
+    untaken = frame["outcome"] == UNTAKEN
+    elsewhere = frame[frame["elsewhere"] & ~untaken]
+    if len(elsewhere):
+        for name in MEASURED_TIMES:
+            frame[name] = frame[name].mask(frame["elsewhere"])
+    taken = frame[~untaken]
     return Results(
-        folders=tuple(map(Folder, manifests, counts, (each.recheck for each in stored))),
-        rows=every[~untaken],
-        untaken=every.loc[untaken, ["solver", "experiment"]],
+        folders=tuple(map(Folder, manifests, counts, (folder.recheck for folder in stored))),
+        rows=taken,
+        untaken=frame.loc[untaken, ["solver", "experiment"]],
         elsewhere=elsewhere,
         controls=rows.select([*_CONTROLS, *_START]).combine_chunks(),
-        methods=methods(every[~untaken]),
+        methods=methods(taken),
     )

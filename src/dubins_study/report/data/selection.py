@@ -21,12 +21,8 @@ from dubins_study.study.scenario_frame import scenario_of
 
 _CELL = ["experiment", *names(CELL)]
 _QUESTION = ["experiment", "scenario_id", "branch"]
-_READ = dict.fromkeys(
-    [
-        *(*names(CELL), "code_digest", *JUDGED, "gap", "reference_word", "region", *COLUMNS),
-        *("wall_s", "limit_s", "machine"),
-    ]
-)
+_READ = [*names(CELL), "code_digest", *JUDGED, "gap", "reference_word", "region", *COLUMNS]
+_READ += ["wall_s", "limit_s", "machine"]
 
 
 class RowCounts(NamedTuple):
@@ -71,38 +67,44 @@ def select_attempts(
         machines.
     """
     stored = pa.concat_tables(tables)
-    rows = stored.select(list(_READ)).to_pandas()
+    rows = stored.select([*dict.fromkeys(_READ)]).to_pandas()
     rows["folder"] = np.repeat(np.arange(len(tables)), [len(table) for table in tables])
-    rows["experiment"] = rows["folder"].map({n: m.experiment.name for n, m in enumerate(manifests)})
+    experiments = {n: manifest.experiment.name for n, manifest in enumerate(manifests)}
+    rows["experiment"] = rows["folder"].map(experiments)
     current = _is_current(rows, manifests)
-    places = np.flatnonzero(current)
-    first, pairs = compare_attempts(rows.iloc[places], _CELL)
-    counted = stored.take(places[first])
-    shown = rows.iloc[places[first]]
-    stated = {n: m.time_limit_s or np.nan for n, m in enumerate(manifests)}
-    limits = shown["limit_s"].fillna(shown["folder"].map(stated))
-    machines = shown["experiment"].map(_own_machines(shown))
-    undecided = shown["verdict"].eq("undecided")
-    left_open = undecided.groupby([shown[name] for name in _QUESTION]).transform("any")
+    current_places = np.flatnonzero(current)
+    first, pairs = compare_attempts(rows.iloc[current_places], _CELL)
+    places = current_places[first]
+    counted = stored.take(places)
+    first_rows = rows.iloc[places]
+    limit_of_folder = {n: manifest.time_limit_s or np.nan for n, manifest in enumerate(manifests)}
+    limits = first_rows["limit_s"].fillna(first_rows["folder"].map(limit_of_folder))
+    machines = first_rows["experiment"].map(_own_machines(first_rows))
+    undecided = first_rows["verdict"].eq("undecided")
+    left_open = undecided.groupby([first_rows[name] for name in _QUESTION]).transform("any")
     added = {
-        "experiment": shown["experiment"],
-        "answerable": _answerable(shown) & ~left_open,
+        "experiment": first_rows["experiment"],
+        "answerable": _answerable(first_rows) & ~left_open,
         "left_open": left_open,
-        "late": shown["wall_s"] > limits,
-        "elsewhere": shown["machine"].notna() & shown["machine"].ne(machines),
+        "late": first_rows["wall_s"] > limits,
+        "elsewhere": first_rows["machine"].notna() & first_rows["machine"].ne(machines),
     }
     for name, values in added.items():
         counted = counted.append_column(name, pa.array(values, from_pandas=True))
     place = counted.schema.get_field_index("limit_s")
     filled = pa.array(limits, pa.float64(), from_pandas=True)
     counted = counted.set_column(place, counted.schema.field(place), filled)
-    sections = {n: m.experiment.section for n, m in enumerate(manifests)}
-    differ = _other_limits(shown.assign(limit_s=limits, section=shown["folder"].map(sections)))
+    sections = {n: manifest.experiment.section for n, manifest in enumerate(manifests)}
+    of_rows = first_rows["folder"].map(sections)
+    differ = _other_limits(first_rows.assign(limit_s=limits, section=of_rows))
     return counted, [
         _row_counts(
-            current[rows["folder"] == n], pairs[pairs["folder"] == n], m.gap_tolerance
-        )._replace(other_limits=int(differ.get(n, 0)))
-        for n, m in enumerate(manifests)
+            current[rows["folder"] == n],
+            pairs[pairs["folder"] == n],
+            manifest.gap_tolerance,
+            other_limits=int(differ.get(n, 0)),
+        )
+        for n, manifest in enumerate(manifests)
     ]
 
 
@@ -113,7 +115,7 @@ def _own_machines(rows: pd.DataFrame) -> dict[str, str | None]:
     """
     first = rows["folder"] == rows.groupby("experiment")["folder"].transform("min")
     modes = {str(name): part.mode() for name, part in rows[first].groupby("experiment")["machine"]}
-    return {name: str(mode.iloc[0]) if len(mode) else None for name, mode in modes.items()}
+    return {name: next(iter(mode), None) for name, mode in modes.items()}
 
 
 def _other_limits(rows: pd.DataFrame) -> pd.Series[int]:
@@ -137,16 +139,16 @@ def _is_current(rows: pd.DataFrame, manifests: Sequence[Manifest]) -> pd.Series[
 
     The manifest names this code for the row's solver, as in `status`.
     """
-    named = [
-        (folder, *entry)
-        for folder, manifest in enumerate(manifests)
-        for entry in manifest.code_digests.items()
-    ]
+    named: list[tuple[int, str, str]] = []
+    for folder, manifest in enumerate(manifests):
+        named += [(folder, *entry) for entry in manifest.code_digests.items()]
     code = pd.MultiIndex.from_frame(rows[["folder", "solver", "code_digest"]])
     return pd.Series(code.isin(named), rows.index)
 
 
-def _row_counts(current: pd.Series[bool], pairs: pd.DataFrame, gap_tolerance: float) -> RowCounts:
+def _row_counts(
+    current: pd.Series[bool], pairs: pd.DataFrame, gap_tolerance: float, other_limits: int
+) -> RowCounts:
     other_code = pairs["code_digest"] != pairs["code_digest_kept"]
     differ = differences(pairs, gap_tolerance).any(axis="columns")
     return RowCounts(
@@ -154,6 +156,7 @@ def _row_counts(current: pd.Series[bool], pairs: pd.DataFrame, gap_tolerance: fl
         stale=int((~current).sum()),
         replaced=int(other_code.sum()),
         contradicting=int((differ & ~other_code).sum()),
+        other_limits=other_limits,
     )
 
 

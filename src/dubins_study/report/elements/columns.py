@@ -8,6 +8,7 @@ from typing import Any
 import pandas as pd
 
 from dubins_study.report.elements.formats import ABSENT, Format
+from dubins_study.study.scenario_frame import is_missing
 
 
 @dataclass(frozen=True)
@@ -28,8 +29,9 @@ class Column:
 
     def text(self, value: Any) -> str:
         """The value as it is shown."""
-        missing = value is None or value is pd.NA or (isinstance(value, float) and value != value)
-        return ABSENT if missing else self.show(value)
+        if is_missing(value):
+            return ABSENT
+        return self.show(value)
 
 
 def columns(show: Format = str, /, kind: str = "number", **titles: str) -> tuple[Column, ...]:

@@ -12,13 +12,12 @@ from typing import NamedTuple, TypeAlias
 
 import pandas as pd
 from markupsafe import Markup
-from matplotlib.artist import Artist
 from matplotlib.figure import Figure
 from pandas.api.types import is_numeric_dtype
 
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.columns import Column
-from dubins_study.report.elements.style import HALF, Style, new_figure
+from dubins_study.report.elements.style import HALF, new_figure
 
 
 class Place(StrEnum):
@@ -52,10 +51,10 @@ class Table:
 
     def texts(self) -> list[list[str]]:
         """Every cell as text, row by row."""
-        shown = [
+        by_column = [
             [column.text(value) for value in self.frame[column.key]] for column in self.columns
         ]
-        return [list(row) for row in zip(*shown, strict=True)]
+        return [list(row) for row in zip(*by_column, strict=True)]
 
     def values(self) -> list[list[float | None]]:
         """The numbers behind the cells, row by row.
@@ -63,13 +62,15 @@ class Table:
         A cell without a number has None. A text that ends in an interval, in a column `x_text`, has
         the number in `x` or `x_share`.
         """
-        shown = [_numbers_of(self.frame, column.key) for column in self.columns]
-        return [list(row) for row in zip(*shown, strict=True)]
+        by_column = [_numbers_of(self.frame, column.key) for column in self.columns]
+        return [list(row) for row in zip(*by_column, strict=True)]
 
 
 def _numbers_of(frame: pd.DataFrame, key: str) -> list[float | None]:
     stem = key.removesuffix("_text")
-    names = (key,) if stem == key else (f"{stem}_share", stem)
+    names = [key]
+    if stem != key:
+        names = [f"{stem}_share", stem]
     for name in names:
         if name in frame and is_numeric_dtype(frame[name]):
             numbers = frame[name].astype(object)
@@ -92,7 +93,7 @@ class Picture:
 
 def picture(
     name: str,
-    plot: Callable[..., list[Artist] | None],
+    plot: Callable[..., None],
     *data: object,
     caption: str,
     alt: str,
@@ -101,16 +102,13 @@ def picture(
 ) -> Picture:
     """A figure of half the page's width.
 
-    It has one panel, drawn by `plot(ax, *data)`. `plot` may return the legend's entries; `legend`
-    is the number of columns of the legend below the panel, 0 for no legend.
+    It has one panel, drawn by `plot(ax, *data)`; `legend` is the number of columns of the legend
+    below the panel, 0 for no legend.
     """
     figure = new_figure(HALF, height)
-    entries = plot(figure.add_subplot(), *data)
+    plot(figure.add_subplot(), *data)
     if legend:
-        below: Style = {"loc": "outside lower left", "ncols": legend, "fontsize": 7.5}
-        if entries is not None:
-            below["handles"] = entries
-        figure.legend(**below)
+        figure.legend(loc="outside lower left", ncols=legend, fontsize=7.5)
     return Picture(name, caption, figure, alt, half=True)
 
 
@@ -121,7 +119,8 @@ def panels_picture(
 
     Drawn by `plot(*data, **options, narrow=)` for both widths.
     """
-    wide, narrow = (plot(*data, **options, narrow=narrow) for narrow in (False, True))
+    wide = plot(*data, **options, narrow=False)
+    narrow = plot(*data, **options, narrow=True)
     return Picture(name, caption, wide, alt, narrow=narrow)
 
 

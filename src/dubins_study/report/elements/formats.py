@@ -30,8 +30,10 @@ def digits(n: int) -> Format:
         number = float(value)
         if number == 0:
             return "0"
+        if number == math.inf:
+            return "∞"
         if not math.isfinite(number):
-            return "∞" if number > 0 else ABSENT
+            return ABSENT
         mantissa, _, power = f"{number:.{n - 1}e}".partition("e")
         exponent = int(power)
         decimals = n - 1 - exponent
@@ -56,7 +58,9 @@ def share(value: Any) -> str:
         return "<0.1 %"
     if 99.9 < percent < 100:
         return ">99.9 %"
-    return f"{percent:.0f} %" if percent in (0, 100) else f"{percent:.1f} %"
+    if percent in (0, 100):
+        return f"{percent:.0f} %"
+    return f"{percent:.1f} %"
 
 
 def count(value: Any) -> str:
@@ -66,8 +70,16 @@ def count(value: Any) -> str:
 
 def some(number: int, noun: str) -> str:
     """A number with its noun, singular or plural."""
-    ending = "" if number == 1 else "s"
-    return f"{count(number)} {noun}{ending}"
+    if number != 1:
+        noun += "s"
+    return f"{count(number)} {noun}"
+
+
+def shortened(text: str, most: int) -> str:
+    """A text of at most `most` characters."""
+    if len(text) <= most:
+        return text
+    return f"{text[: most - 1]}…"
 
 
 def sentences(*each: str) -> str:

@@ -28,7 +28,9 @@ def method_columns(frame: pd.DataFrame) -> tuple[Column, ...]:
 
     Settings only if any method of the table has some.
     """
-    return METHOD if frame["settings"].astype(bool).any() else METHOD[:-1]
+    if frame["settings"].astype(bool).any():
+        return METHOD
+    return METHOD[:-1]
 
 
 def interval_column(key: str, title: str) -> Column:
@@ -57,10 +59,11 @@ def with_interval_texts(frame: pd.DataFrame, **shows: Format) -> pd.DataFrame:
     """
     texts = {}
     for key, show in shows.items():
-        values = zip(*(frame[name] for name in interval_keys(key)), strict=True)
-        each = [with_interval(show, *line) for line in values]
-        two_lines = (text.replace(" (", "\n(", 1) for text in each)  # no other line breaks
-        texts[f"{key}_text"] = [text.replace(" ", "\u00a0") for text in two_lines]
+        lines = []
+        for numbers in frame[[*interval_keys(key)]].itertuples(index=False):
+            text = with_interval(show, *numbers).replace(" (", "\n(", 1)
+            lines.append(text.replace(" ", "\u00a0"))  # no other line breaks
+        texts[f"{key}_text"] = lines
     return frame.assign(**texts)
 
 
@@ -72,8 +75,12 @@ def with_interval(show: Format, value: float, low: float, high: float) -> str:
     """
     if value != value:
         return ABSENT
-    ends = percent if show is share else show
-    return show(value) if low != low else f"{show(value)} ({ends(low)} to {ends(high)})"
+    if low != low:
+        return show(value)
+    ends = show
+    if show is share:
+        ends = percent
+    return f"{show(value)} ({ends(low)} to {ends(high)})"
 
 
 INTERVAL_TEXT = (
@@ -96,11 +103,9 @@ def with_share(
     k = np.minimum(successes.astype(np.float64).to_numpy(), n)
     low, high = wilson_intervals(k, n).T
     shares = np.divide(k, n, out=np.full_like(n, np.nan), where=n > 0)
-    columns: dict[str, Any] = {"of": n, "share": shares, "low": low, "high": high}
-    columns["text"] = [
-        share_text(*line) for line in zip(shares, low, high, n.tolist(), strict=True)
-    ]
-    return frame.assign(**{f"{name}_{key}": values for key, values in columns.items()})
+    texts = [*map(share_text, shares, low, high, n.tolist())]
+    added: dict[str, Any] = {"of": n, "share": shares, "low": low, "high": high, "text": texts}
+    return frame.assign(**{f"{name}_{key}": values for key, values in added.items()})
 
 
 def share_text(share: float, low: float, high: float, of: float) -> str:
@@ -126,4 +131,6 @@ def percent(share: float, places: int = 1) -> str:
 
 def questions(number: float) -> str:
     """A number of questions, of which repeats are parts."""
-    return count(number) if float(number).is_integer() else digits(3)(number)
+    if float(number).is_integer():
+        return count(number)
+    return digits(3)(number)

@@ -16,6 +16,7 @@ import pandas as pd
 from dubins_study.report.data.attempts import EXACT, own_name
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements import style
+from dubins_study.report.elements.formats import shortened
 from dubins_study.report.statistics.methods import UNSTATED, methods_of, once
 from dubins_study.report.statistics.metrics import natural, parse_spec, solver_order
 from dubins_study.study.words import FORMULATION_LIST
@@ -68,14 +69,16 @@ def short_label(row: Mapping[Hashable, Any]) -> str:
     """
     formulation = str(row["formulation"])
     engine = str(row["engine"])
-    if engine == UNSTATED:
-        return one_line(str(row["solver"]))
-    if own_name(str(row["solver"])):
-        return one_line(", ".join(filter(None, [engine, str(row["settings"])])))
-    where = "" if formulation == engine else _FORMULATIONS.get(formulation, formulation)
+    spec = str(row["solver"])
     settings = str(row["settings"])
-    guess = str(row["variant"]).removesuffix(settings).removesuffix(", ")
-    method = [engine, where, guess]
+    if engine == UNSTATED:
+        return one_line(spec)
+    if own_name(spec):
+        return one_line(", ".join(filter(None, [engine, settings])))
+    method = [engine]
+    if formulation != engine:
+        method.append(_FORMULATIONS.get(formulation, formulation))
+    method.append(str(row["variant"]).removesuffix(settings).removesuffix(", "))  # the guess
     name = ", ".join(filter(None, [*method, settings]))
     # the settings of a long name that come last are those that a study varies
     while len(name) > _MOST_CHARACTERS and ", " in settings:
@@ -108,10 +111,10 @@ def figure_names(labels: Mapping[str, str]) -> dict[str, str]:
     items = [label.split(", ") for label in labels.values()]
     names = []
     for parts in items:
-        first = parts[:_KEPT]
-        alike = [set(others) for others in items if others[:_KEPT] == first]
-        rest = [item for item in parts[_KEPT:] if item not in set.intersection(*alike)]
-        names.append(", ".join([*first, *rest]))
+        method = parts[:_KEPT]
+        alike = [set(others) for others in items if others[:_KEPT] == method]
+        distinctive = [item for item in parts[_KEPT:] if item not in set.intersection(*alike)]
+        names.append(", ".join([*method, *distinctive]))
     return dict(zip(labels, names, strict=True))
 
 
@@ -128,10 +131,11 @@ def common_part(names: Sequence[str]) -> tuple[str, list[str]]:
     names = distinct([one_line(name, _MOST_IN_PANEL) for name in names])
     tails = {name.partition(", ")[2] for name in names}
     # An engine whose only guess is the usual one, or that needs none, does not name it.
-    shared = tails - {""} if tails > {_USUAL_START} else tails
-    if len(names) < 2 or len(shared) > 1 or shared == {""}:
+    if tails > {_USUAL_START}:
+        tails.discard("")
+    if len(names) < 2 or len(tails) > 1 or tails == {""}:
         return "", names
-    return f" ({shared.pop()})", [name.partition(", ")[0] for name in names]
+    return f" ({tails.pop()})", [name.partition(", ")[0] for name in names]
 
 
 def one_line(text: str, most: int = _MOST_CHARACTERS) -> str:
@@ -139,8 +143,7 @@ def one_line(text: str, most: int = _MOST_CHARACTERS) -> str:
 
     It has at most `most` characters.
     """
-    line = " ".join(text.split())
-    return line if len(line) <= most else f"{line[: most - 1]}…"
+    return shortened(" ".join(text.split()), most)
 
 
 LineStyle = str | tuple[int, tuple[float, ...]]
@@ -152,12 +155,42 @@ _OWN_HUES = (style.VERMILION, style.GREEN)
 # Engines in the order in which they get hues and markers; those that meet in most figures come
 # first, so that they differ in hue. Engines that the list does not name follow by name.
 _ENGINES = (
-    *("Ipopt", "SLSQP", "fatrop", "Bonmin", "SLEQP", "trust-constr", "Uno", "Uno filterSQP"),
-    *("casadi sqpmethod", "NLopt SLSQP", "APOPT", "COBYQA", "alpaqa", "casadi qrsqp"),
-    *("NLopt AUGLAG", "NLopt COBYLA", "SCIP", "MAiNGO", "Clarabel", "MINPACK lm", "OSQP"),
-    *("CMA-ES", "PIQP", "DIRECT", "MINPACK hybr", "Nelder-Mead", "Powell", "SHGO"),
-    *("dual annealing", "HiGHS", "differential evolution"),
-    *("SCS", "DAQP", "ECOS", "ProxQP", "QPALM"),
+    "Ipopt",
+    "SLSQP",
+    "fatrop",
+    "Bonmin",
+    "SLEQP",
+    "trust-constr",
+    "Uno",
+    "Uno filterSQP",
+    "casadi sqpmethod",
+    "NLopt SLSQP",
+    "APOPT",
+    "COBYQA",
+    "alpaqa",
+    "casadi qrsqp",
+    "NLopt AUGLAG",
+    "NLopt COBYLA",
+    "SCIP",
+    "MAiNGO",
+    "Clarabel",
+    "MINPACK lm",
+    "OSQP",
+    "CMA-ES",
+    "PIQP",
+    "DIRECT",
+    "MINPACK hybr",
+    "Nelder-Mead",
+    "Powell",
+    "SHGO",
+    "dual annealing",
+    "HiGHS",
+    "differential evolution",
+    "SCS",
+    "DAQP",
+    "ECOS",
+    "ProxQP",
+    "QPALM",
 )
 _FORMULA = "closed form"
 # A grey curve for comparison, behind those that have a colour and a name.
@@ -213,10 +246,9 @@ class Palette:
         """
         names = {parse_spec(engine)[0] for engine in engines} - {EXACT, _FORMULA}
         others = sorted(names - set(_ENGINES), key=natural)
-        hues = {
-            name: (style.ENGINE_HUES[i % len(style.ENGINE_HUES)].light, _MARKERS[i % len(_MARKERS)])
-            for i, name in enumerate((*_ENGINES, *others))
-        }
+        colours = cycle(hue.light for hue in style.ENGINE_HUES)
+        looks = zip(colours, cycle(_MARKERS), strict=False)
+        hues = dict(zip((*_ENGINES, *others), looks, strict=False))
         reference = (style.INK, "o")
         return cls({EXACT: reference, _FORMULA: reference} | hues)
 

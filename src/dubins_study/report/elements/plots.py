@@ -63,7 +63,9 @@ class Mark:
 
     def dots(self) -> Style:
         """Keywords for markers without a line."""
-        face = self.colour if self.filled else "none"
+        face = self.colour
+        if not self.filled:
+            face = "none"
         return {
             "linestyle": "none",
             "color": self.colour,
@@ -87,7 +89,9 @@ def quartile_lines(
     figure, axes = named_lines(table, label, narrow=narrow)
     looks = palette.looks(table["solver"])
     ends = table[[f"{key}_q1", key, f"{key}_q3"]].to_numpy(dtype=np.float64)
-    positive = ends[ends > 0] if (ends > 0).any() else np.ones(1)
+    positive = ends[ends > 0]
+    if not positive.size:
+        positive = np.ones(1)
     low = 0.8 * positive.min()
     high = 1.25 * positive.max()
     widen = max(1.0, (6 / (high / low)) ** 0.5)  # or the axis might have no number
@@ -95,8 +99,9 @@ def quartile_lines(
         for row in rows.to_dict("records"):
             if row[key] > 0:
                 look = looks[row["solver"]]
-                bar = [max(row[f"{key}_q1"], low), row[f"{key}_q3"]]
-                ax.hlines(row["place"], *bar, color=look.colour, linewidth=2.4, alpha=0.45)
+                start = max(row[f"{key}_q1"], low)
+                end = row[f"{key}_q3"]
+                ax.hlines(row["place"], start, end, color=look.colour, linewidth=2.4, alpha=0.45)
                 ax.plot(row[key], row["place"], **look.dots)
         ax.set(xlim=(low / widen, high * widen), xscale="log")
         log_axis(ax.xaxis, "s")
@@ -126,7 +131,10 @@ def stacked_shares(
         ax.set(xlim=(0, 1), xticks=(0, 1))
         percent_axis(ax.xaxis)
     handles = [Patch(label=mark.label or mark.key, **mark.bar()) for mark in present]
-    _legend(figure, "upper", handles, 2 if narrow else 0)
+    across = min(len(handles), 6)
+    if narrow:
+        across = 2
+    _legend(figure, "upper", handles, across)
     return figure
 
 
@@ -139,7 +147,7 @@ _LETTER = 0.5  # of a font's size: the width of a letter
 
 
 def named_lines(
-    table: pd.DataFrame, label: str, *, narrow: bool = False
+    table: pd.DataFrame, label: str, *, narrow: bool
 ) -> tuple[Figure, list[tuple[Axes, pd.DataFrame]]]:
     """A figure of named lines, and its columns.
 
@@ -147,19 +155,34 @@ def named_lines(
     short (the name), and if it is given note (a text at the right); `place` is added, the height of
     a line. A `narrow` figure has one column, half as wide.
     """
-    size = 6.5 if narrow else 6.0
-    lines = _placed(table, size, most=1 if narrow else _ACROSS)
+    size = 6.0
+    most = _ACROSS
+    if narrow:
+        size = 6.5
+        most = 1
+    lines = _placed(table, size, most)
     columns = [rows for _, rows in lines.groupby("column")]
     lowest = lines["place"].max() + 0.5
     high = max(_LINE * lowest + 0.75, 1.7)  # a narrow legend has several lines
-    figure = new_figure(HALF, high) if narrow else new_figure(WIDE, min(HIGHEST, high))
+    figure = _page_figure(high, narrow=narrow)
     figure.supxlabel(label, fontsize=8, color=MUTED)
     axes = figure.subplots(1, len(columns), squeeze=False)[0]
-    for ax, rows in zip(axes, columns, strict=True):
+    panels = list(zip(axes, columns, strict=True))
+    for ax, rows in panels:
         ax.tick_params(axis="x", labelsize=size + 0.5)
         ax.set_ylim(lowest, 0)
         _name(ax, rows, size)
-    return figure, list(zip(axes, columns, strict=True))
+    return figure, panels
+
+
+def _page_figure(high: float, *, narrow: bool) -> Figure:
+    """An empty figure of a height (inches).
+
+    It is as wide as the page, or half as wide if `narrow`. Only the wide one has a largest height.
+    """
+    if narrow:
+        return new_figure(HALF, high)
+    return new_figure(WIDE, min(HIGHEST, high))
 
 
 def _placed(table: pd.DataFrame, size: float, most: int) -> pd.DataFrame:
@@ -180,7 +203,8 @@ def _placed(table: pd.DataFrame, size: float, most: int) -> pd.DataFrame:
     letters = (lines["short"] + lines["note"]).str.len()
     for across in range(most, 0, -1):
         column = (across * middle / (place.iloc[-1] + 0.5)).astype(int)
-        texts = letters.groupby(column).max().sum() * _LETTER * size / 72
+        longest = letters.groupby(column).max()
+        texts = longest.sum() * _LETTER * size / 72  # inches
         if WIDE - texts >= across * _SHORTEST_BAR:
             break
     first = place.groupby(column).transform("min")
@@ -197,10 +221,10 @@ def _name(ax: Axes, rows: pd.DataFrame, size: float) -> None:
     for place, note in zip(rows["place"], rows["note"], strict=True):
         ax.text(1.02, place, note, transform=across, va="center", fontsize=size, color=MUTED)
     width = _LETTER * size * rows["short"].str.len().max()
-    for _, first in rows.drop_duplicates("formulation").iterrows():
+    for _, top in rows.drop_duplicates("formulation").iterrows():
         ax.annotate(
-            first["title"],
-            (0, first["place"] - 0.6),
+            top["title"],
+            (0, top["place"] - 0.6),
             xycoords=across,
             xytext=(-width, 0),
             textcoords="offset points",
@@ -231,26 +255,33 @@ def share_curves(
     solver; curves of solvers that are not in `names` are grey, and so are those behind the first
     few (`MOST_NAMED`) of one of several panels. A dotted line is drawn at `limit`.
     """
-    several = len(shares) > 1
-    across = 1 if narrow else min(_ACROSS, len(shares))
+    across = min(_ACROSS, len(shares))
+    if narrow:
+        across = 1
     down = -(-len(shares) // across)
-    letters = _LETTERS_OF_THREE if across > 1 else _LETTERS
-    most = MOST_NAMED if several else None
-    chosen = {
-        title: sorted((str(s) for s in table if s in names), key=lambda s: not own_name(s))[:most]
-        for title, table in shares.items()
-    }
+    letters = _LETTERS
+    if across > 1:
+        letters = _LETTERS_OF_THREE
+    several = len(shares) > 1
+    most = None
+    panel = 2.2  # inches
+    if several:
+        most = MOST_NAMED
+        panel = 1.2
+    chosen = {}
+    for title, table in shares.items():
+        named = [str(solver) for solver in table if solver in names]
+        chosen[title] = sorted(named, key=lambda solver: not own_name(solver))[:most]
     entries = [len(solvers) for solvers in chosen.values()]
-    lines = sum(max(entries[row : row + across]) for row in range(0, len(entries), across))
-    panel = 1.2 if several else 2.2  # inches
-    high = 0.5 + panel * down + 0.13 * lines
-    figure = new_figure(HALF, high) if narrow else new_figure(WIDE, min(HIGHEST, high))
+    side_by_side = [entries[start : start + across] for start in range(0, len(entries), across)]
+    lines = sum(max(row) for row in side_by_side)  # of the legends below the panels
+    figure = _page_figure(0.5 + panel * down + 0.13 * lines, narrow=narrow)
     panels = figure.subplots(down, across, sharex=same_x, sharey=True, squeeze=False).ravel()
     for place, (title, table) in enumerate(shares.items()):
         ax = panels[place]
-        shared, shown = common_part([names[solver] for solver in chosen[title]])
-        shown = [one_line(name, letters) for name in shown]
-        _draw_shares(ax, table, dict(zip(chosen[title], shown, strict=True)), palette)
+        shared, short_names = common_part([names[solver] for solver in chosen[title]])
+        entries_below = [one_line(name, letters) for name in short_names]
+        _draw_shares(ax, table, dict(zip(chosen[title], entries_below, strict=True)), palette)
         ax.set_title(one_line(f"{title}{shared}"), fontsize=7.5, pad=3)
         ax.tick_params(labelsize=6.5, labelbottom=not same_x or place + across >= len(shares))
         if limit is not None:
@@ -276,16 +307,28 @@ def _draw_shares(ax: Axes, table: pd.DataFrame, names: Mapping[str, str], palett
     for solver in [*table.columns.difference([*names]), *names]:
         curve = table[solver]
         changed = curve.ne(curve.shift()) | (curve.index == curve.index[-1])
-        thick: Style = {"linewidth": 2.2 if own_name(solver) else 1.1}
-        style = looks[solver].lines | thick if solver in looks else BEHIND
+        style = BEHIND
+        if solver in looks:
+            style = looks[solver].lines | {"linewidth": 1.1}
+            if own_name(solver):
+                style["linewidth"] = 2.2
         (line,) = ax.step(curve.index[changed], curve[changed], where="post", **style)
         line.set_label(names.get(solver, "_"))
         lines[solver] = line
+
+    def height(solver: str) -> tuple[float, float]:
+        return round(table[solver].iloc[-1], 3), table[solver].mean()
+
     # The legend has the order in which the curves end, from the highest down.
-    order = sorted(names, key=lambda s: (-round(table[s].iloc[-1], 3), -table[s].mean()))
-    handles = [lines[solver] for solver in order]
-    place: Style = {"loc": "upper left", "bbox_to_anchor": (0.0, -0.12), "labelspacing": 0.15}
-    ax.legend(handles=handles, fontsize=6.5, handlelength=1.8, **place)
+    handles = [lines[solver] for solver in sorted(names, key=height, reverse=True)]
+    ax.legend(
+        handles=handles,
+        fontsize=6.5,
+        handlelength=1.8,
+        labelspacing=0.15,
+        loc="upper left",
+        bbox_to_anchor=(0.0, -0.12),
+    )
     ax.set(ylim=(0, 1.02))
     percent_axis(ax.yaxis)
 
@@ -298,36 +341,39 @@ def parameter_lines(
     xlabel: str,
     ylabel: str,
     *,
-    width: float = HALF,
-    height: float = 3.3,
+    height: float,
 ) -> Figure:
     """Lines over a parameter, both axes logarithmic.
 
     A line per name, with open marks of growing size: lines that coincide stay visible. Columns:
-    solver, name (in the legend), x, y, and panel, if there are several side by side. Only positive
-    finite values are drawn.
+    solver, name (in the legend), x and y. Only positive finite values are drawn.
     """
     shown = table[np.isfinite(table[y].astype(float)) & (table[y] > 0)]
     looks = palette.looks(shown["solver"])
-    names = list(dict.fromkeys(shown["name"]))
-    panels = list(shown.groupby("panel")) if "panel" in shown else [("", shown)]
-    growth = min(1.2, 4 / max(len(names), 1))
-    figure = new_figure(width, height)
-    axes = figure.subplots(1, len(panels), sharey=True, squeeze=False)[0]
+    groups = shown.groupby("name", sort=False)
+    growth = min(1.2, 4 / max(len(groups), 1))
+    figure = new_figure(HALF, height)
+    ax = figure.subplots()
     handles: dict[str, Artist] = {}
-    for ax, (title, rows) in zip(axes, panels, strict=True):
-        for name, group in rows.groupby("name", sort=False):
-            look = looks[group["solver"].iloc[0]]
-            place = names.index(name)
-            style: Style = {"marker": _MARKERS[place % len(_MARKERS)], "markerfacecolor": "none"}
-            style |= {"markersize": 3.5 + growth * place, "linewidth": 1.1, "label": name}
-            (handles[str(name)],) = ax.plot(group[x], group[y], **look.lines, **style)
-        ax.set(xscale="log", yscale="log", title=title, xlabel=xlabel)
-        log_axis(ax.yaxis)
-        _scale(ax, *ax.get_xlim())
-    axes[0].set_ylabel(ylabel)
-    columns = (4 if width > HALF else 2) - (max(map(len, handles), default=0) > 25)
-    _legend(figure, "lower", list(handles.values()), columns)
+    for place, (name, group) in enumerate(groups):
+        look = looks[group["solver"].iloc[0]]
+        (handles[str(name)],) = ax.plot(
+            group[x],
+            group[y],
+            marker=_MARKERS[place % len(_MARKERS)],
+            markerfacecolor="none",
+            markersize=3.5 + growth * place,
+            linewidth=1.1,
+            label=name,
+            **look.lines,
+        )
+    ax.set(xscale="log", yscale="log", xlabel=xlabel, ylabel=ylabel)
+    log_axis(ax.yaxis)
+    _scale(ax, *ax.get_xlim())
+    across = 2
+    if max(map(len, handles), default=0) > 25:
+        across = 1
+    _legend(figure, "lower", list(handles.values()), across)
     return figure
 
 
@@ -346,7 +392,9 @@ def draw_cells(
     """
     extent: list[Any] = []
     for centres in (x, y):
-        half = np.diff(centres).mean() / 2 if centres.size > 1 else 0.5
+        half = 0.5
+        if centres.size > 1:
+            half = np.diff(centres).mean() / 2
         extent += [centres[0] - half, centres[-1] + half]
     style: Style = {"origin": "lower", "interpolation": "nearest", "cmap": colours}
     if not isinstance(colours, str):
@@ -368,11 +416,16 @@ def _scale(ax: Axes, low: float, high: float) -> None:
         plain_log_axis(ax.xaxis)
 
 
-def _legend(figure: Figure, side: str, handles: Sequence[Artist], columns: int = 0) -> None:
+def _legend(figure: Figure, side: str, handles: Sequence[Artist], columns: int) -> None:
     """Add a legend above or below the panels.
 
     `side` is `upper` or `lower`; nothing is added without handles.
     """
     if handles:
-        place: Style = {"loc": f"outside {side} left", "fontsize": 7.5, "columnspacing": 1.2}
-        figure.legend(handles=handles, ncols=columns or min(len(handles), 6), **place)
+        figure.legend(
+            handles=handles,
+            loc=f"outside {side} left",
+            ncols=columns,
+            fontsize=7.5,
+            columnspacing=1.2,
+        )

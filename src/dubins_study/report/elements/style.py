@@ -81,21 +81,30 @@ _SETTINGS: Style = {
     "font.family": ["DejaVu Sans"],
     **dict.fromkeys(("font.size", "axes.labelsize"), 8.5),
     **dict.fromkeys(("xtick.labelsize", "ytick.labelsize", "legend.fontsize"), 8),
-    **{"axes.titlesize": 9, "axes.titlelocation": "left", "axes.titleweight": "bold"},
+    "axes.titlesize": 9,
+    "axes.titlelocation": "left",
+    "axes.titleweight": "bold",
     "axes.titlepad": 8,
     **dict.fromkeys(("axes.labelcolor", "axes.edgecolor", "xtick.color", "ytick.color"), MUTED),
     **dict.fromkeys(("axes.linewidth", "xtick.major.width", "ytick.major.width"), 0.6),
     **dict.fromkeys(("axes.spines.top", "axes.spines.right", "legend.frameon"), False),
-    **{"axes.grid": True, "axes.axisbelow": True, "grid.color": RULE, "grid.linewidth": 0.5},
+    "axes.grid": True,
+    "axes.axisbelow": True,
+    "grid.color": RULE,
+    "grid.linewidth": 0.5,
     **dict.fromkeys(("xtick.major.size", "ytick.major.size"), 2.5),
     **dict.fromkeys(("xtick.minor.size", "ytick.minor.size"), 0),
-    **{"legend.handlelength": 2.2, "lines.linewidth": 1.4, "lines.markersize": 4},
+    "legend.handlelength": 2.2,
+    "lines.linewidth": 1.4,
+    "lines.markersize": 4,
     "text.color": INK,
     "text.parse_math": False,  # a "$" in a name from outside must stay a "$"
     "svg.fonttype": "none",  # text stays text
     "pdf.fonttype": 42,  # TrueType: journals refuse matplotlib's default, Type 3
     "svg.hashsalt": "dubins-study",
-    **{"hatch.linewidth": 0.5, "figure.facecolor": PAPER, "axes.facecolor": "none"},
+    "hatch.linewidth": 0.5,
+    "figure.facecolor": PAPER,
+    "axes.facecolor": "none",
     "figure.constrained_layout.h_pad": 0.06,
     "figure.constrained_layout.w_pad": 0.06,
 }
@@ -142,7 +151,9 @@ def power(value: float, _: object = None) -> str:
     exponent = round(math.log10(value))
     if abs(value / 10.0**exponent - 1) > 1e-6:
         return ""
-    return f"{value:g}" if -2 <= exponent <= 3 else "10" + str(exponent).translate(_RAISED)
+    if -2 <= exponent <= 3:
+        return f"{value:g}"
+    return "10" + str(exponent).translate(_RAISED)
 
 
 def log_axis(axis: Axis, unit: str = "") -> None:
@@ -151,8 +162,10 @@ def log_axis(axis: Axis, unit: str = "") -> None:
     A label has a prefix before a unit such as `ms`. Fewer are labelled if there are many decades.
     """
     axis.set_major_locator(LogLocator(numticks=8))
-    formatter = EngFormatter(unit) if unit else FuncFormatter(power)
-    axis.set_major_formatter(formatter)
+    if unit:
+        axis.set_major_formatter(EngFormatter(unit))
+    else:
+        axis.set_major_formatter(FuncFormatter(power))
     axis.set_minor_formatter(NullFormatter())
 
 
@@ -171,8 +184,10 @@ def mark_limit(ax: Axes, place: float, across: str = "x") -> Line2D:
 
     Vertical for `across="x"`, horizontal for `"y"`.
     """
-    draw = ax.axvline if across == "x" else ax.axhline
-    return draw(place, color=MUTED, linewidth=0.8, linestyle=(0, (1, 2)))
+    dotted: Style = {"color": MUTED, "linewidth": 0.8, "linestyle": (0, (1, 2))}
+    if across == "x":
+        return ax.axvline(place, **dotted)
+    return ax.axhline(place, **dotted)
 
 
 def percent_axis(axis: Axis) -> None:

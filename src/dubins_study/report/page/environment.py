@@ -28,17 +28,43 @@ PAPER_PAGE = "paper.html"
 TEMPLATES = files("dubins_study.report.page") / "templates"
 # The style for printing comes last, so that its rules win.
 STYLES = (
-    *("styles/base", "style", "styles/tables", "styles/attempts", "styles/drawer"),
-    *("styles/explorer", "styles/print"),
+    "styles/base",
+    "style",
+    "styles/tables",
+    "styles/attempts",
+    "styles/drawer",
+    "styles/explorer",
+    "styles/print",
 )
 # The order in which the scripts run: later ones use the names of earlier ones.
 SCRIPTS = (
-    *("tolerances", "dubins", "dubins-certificate", "dubins-pose", "dubins-route", "dubins-tour"),
-    *("svg", "page", "tables"),
-    *("attempts-data", "attempts-fields", "path-picture", "drawer", "attempts-solvers"),
-    *("attempts-choice", "attempts-plot", "attempts-list", "attempts", "worst"),
-    *("explorer-answers", "explorer-legs", "explorer-route", "explorer-scene", "explorer-handles"),
-    *("explorer-sweep", "explorer-copies", "explorer"),
+    "tolerances",
+    "dubins",
+    "dubins-certificate",
+    "dubins-pose",
+    "dubins-route",
+    "dubins-tour",
+    "svg",
+    "page",
+    "tables",
+    "attempts-data",
+    "attempts-fields",
+    "path-picture",
+    "drawer",
+    "attempts-solvers",
+    "attempts-choice",
+    "attempts-plot",
+    "attempts-list",
+    "attempts",
+    "worst",
+    "explorer-answers",
+    "explorer-legs",
+    "explorer-route",
+    "explorer-scene",
+    "explorer-handles",
+    "explorer-sweep",
+    "explorer-copies",
+    "explorer",
 )
 EXPLORER_STYLES = ("styles/base", "styles/explorer")
 EXPLORER_SCRIPTS = tuple(
@@ -60,11 +86,12 @@ def choice(text: str, kind: str) -> Markup:
 
     The first line stands out, as a spec to be typed if its kind says so.
     """
-    first, *rest = text.split("\n")
-    if not rest:
+    first, *others = text.split("\n")
+    if not others:
         return Markup.escape(text)
-    named = Markup("<code>{}</code>").format(breakable(first)) if "spec" in kind else first
-    return Markup("<strong>{}</strong><br>{}").format(named, Markup("<br>").join(rest))
+    if "spec" in kind:
+        first = Markup("<code>{}</code>").format(breakable(first))
+    return Markup("<strong>{}</strong><br>{}").format(first, Markup("<br>").join(others))
 
 
 def linked(text: str, sections: Sequence[Section], page: str) -> Markup:
@@ -76,9 +103,12 @@ def linked(text: str, sections: Sequence[Section], page: str) -> Markup:
     title = text.partition(":")[0]
     for section in sections:
         if section.title in (text, title):
-            file = PAPER_PAGE if section.place is Place.PAPER else FRONT_PAGE
-            place = "" if file == page else file
-            return Markup('<a href="{}#{}">{}</a>').format(place, section.key, text)
+            file = FRONT_PAGE
+            if section.place is Place.PAPER:
+                file = PAPER_PAGE
+            if file == page:
+                file = ""
+            return Markup('<a href="{}#{}">{}</a>').format(file, section.key, text)
     if any(section.title.startswith(f"{title}:") for section in sections):
         return Markup.escape(text)
     return Markup.escape(f"{text} (not on this page)")
@@ -94,20 +124,25 @@ def packed(content: bytes) -> str:
 
 def scripts(names: Sequence[str] = SCRIPTS) -> list[Markup]:
     """The texts of scripts, in running order."""
-    return [
-        _tolerances() if name == "tolerances" else _text(f"scripts/{name}.js") for name in names
-    ]
+    return [*map(_script, names)]
 
 
-def _tolerances() -> Markup:
-    """The check's tolerances, as a script.
+def _script(name: str) -> Markup:
+    """The text of a script.
 
-    The certificates of the page's paths use them too.
+    `tolerances` has those of the check; the certificates of the page's paths use them too.
     """
+    if name != "tolerances":
+        return _text(f"scripts/{name}.js")
     values = {
-        **{"ARRIVES": ARRIVES, "DRIVEN": DRIVEN, "NO_TURN": NO_TURN, "NO_LENGTH": NO_LENGTH},
-        **{"PMP_TOLERANCE": PMP_TOLERANCE, "PMP_ROUNDING": PMP_ROUNDING},
-        **{"CUT_TOLERANCE": CUT_TOLERANCE, "ABNORMAL": ABNORMAL},
+        "ARRIVES": ARRIVES,
+        "DRIVEN": DRIVEN,
+        "NO_TURN": NO_TURN,
+        "NO_LENGTH": NO_LENGTH,
+        "PMP_TOLERANCE": PMP_TOLERANCE,
+        "PMP_ROUNDING": PMP_ROUNDING,
+        "CUT_TOLERANCE": CUT_TOLERANCE,
+        "ABNORMAL": ABNORMAL,
     }
     return Markup(f'"use strict";\nwindow.tolerances = {json.dumps(values)};\n')
 
@@ -117,7 +152,8 @@ def styles() -> Markup:
 
     Later rules win; the figures' hues come first.
     """
-    light, dark = (f":root {{ {style.css_values(mode)} }}" for mode in ("light", "dark"))
+    light = f":root {{ {style.css_values('light')} }}"
+    dark = f":root {{ {style.css_values('dark')} }}"
     hues = f"{light}\n@media (prefers-color-scheme: dark) {{ {dark} }}\n@media print {{ {light} }}"
     return Markup("\n").join([Markup(hues), stylesheets(STYLES)])
 
@@ -154,8 +190,10 @@ def folded(section: Section) -> Folded:
     if section.place is Place.PAPER:
         return Folded(blocks, ())
     halves = [isinstance(block, Picture) and block.half for block in blocks[:2]]
-    first = 2 if halves == [True, True] else 1
-    shown = [b for n, b in enumerate(blocks) if n < first or isinstance(b, Widget)]
+    first = 1
+    if halves == [True, True]:
+        first = 2
+    shown = [*blocks[:first], *(b for b in blocks[first:] if isinstance(b, Widget))]
     return Folded(tuple(shown), tuple(b for b in blocks if b not in shown))
 
 
@@ -164,7 +202,9 @@ def summary(block: Table | Picture) -> str:
 
     A figure's alternative text, or a caption's beginning.
     """
-    text = block.alt if isinstance(block, Picture) else block.caption
+    text = block.caption
+    if isinstance(block, Picture):
+        text = block.alt
     return " ".join(re.split(r"[.:;] ", text)[0].split()).rstrip(".")
 
 
@@ -180,9 +220,15 @@ def environment() -> Environment:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    templates.filters |= {"breakable": breakable}
-    templates.filters |= {"folded": folded, "summary": summary, "glossed": Glossed()}
-    templates.filters |= {"choice": choice, "linked": linked, "packed": packed}
+    templates.filters |= {
+        "breakable": breakable,
+        "choice": choice,
+        "folded": folded,
+        "glossed": Glossed(),
+        "linked": linked,
+        "packed": packed,
+        "summary": summary,
+    }
     templates.tests |= {
         "picture": lambda block: isinstance(block, Picture),
         "table": lambda block: isinstance(block, Table),

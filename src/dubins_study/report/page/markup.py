@@ -15,7 +15,7 @@ from dubins_study.report.elements import style
 from dubins_study.report.elements.columns import Column
 from dubins_study.report.elements.content import Section, Table
 
-_RIGHT = ("number", "cell")  # kinds of columns that are aligned right
+_RIGHT = {"number": "r", "cell": "r"}  # kinds of columns that are aligned right
 
 _FORMULA = tuple("=+-@\t")  # a spreadsheet reads text that starts with one of these as a formula
 
@@ -27,15 +27,17 @@ def to_csv(table: Table) -> str:
     spreadsheet would read as a formula gets a leading apostrophe.
     """
     keys = dict.fromkeys([*(column.key for column in table.columns), *table.numbers])
-    shown = table.frame[list(keys)].copy()
+    frame = table.frame[list(keys)].copy()
     for column in table.columns:
         if column.kind != "number":
-            shown[column.key] = shown[column.key].map(_no_formula)
-    return str(shown.to_csv(index=False, lineterminator="\n"))
+            frame[column.key] = frame[column.key].map(_no_formula)
+    return str(frame.to_csv(index=False, lineterminator="\n"))
 
 
 def _no_formula(value: object) -> object:
-    return f"'{value}" if isinstance(value, str) and value[:1] in _FORMULA else value
+    if isinstance(value, str) and value.startswith(_FORMULA):
+        return f"'{value}"
+    return value
 
 
 def to_tex(table: Table) -> str:
@@ -48,10 +50,10 @@ def to_tex(table: Table) -> str:
         if column.kind == "solver":
             specs = frame.iloc[:, place]
             frame.isetitem(place, [table.labels.get(spec, spec) for spec in specs])
-    shown = frame.style.format(_tex_cell, escape="latex").hide(axis="index")
-    shown = shown.format_index(escape="latex", axis="columns")
-    sides = ["r" if column.kind in _RIGHT else "l" for column in table.columns]
-    return shown.to_latex(column_format="".join(sides), environment="longtable", hrules=True)
+    styled = frame.style.format(_tex_cell, escape="latex").hide(axis="index")
+    styled = styled.format_index(escape="latex", axis="columns")
+    sides = [_RIGHT.get(column.kind, "l") for column in table.columns]
+    return styled.to_latex(column_format="".join(sides), environment="longtable", hrules=True)
 
 
 def _tex_cell(text: object) -> str:
@@ -75,19 +77,12 @@ def dictionary(sections: Iterable[Section]) -> Table:
 
     One line for every column of every CSV file, in the order of the page.
     """
-    lines: list[dict[str, str]] = []
+    lines: list[tuple[str, ...]] = []
     for section in sections:
         for block in section.blocks:
             if isinstance(block, Table):
-                lines += [
-                    {
-                        "file": block.name,
-                        "column": key,
-                        "heading": heading,
-                        "section": section.title,
-                    }
-                    for key, heading in _headings(block).items()
-                ]
+                headings = _headings(block).items()
+                lines += [(block.name, *heading, section.title) for heading in headings]
     frame = pd.DataFrame(lines, columns=["file", "column", "heading", "section"])
     return Table("dictionary", "The columns of the tables.", frame, _SHOWN)
 
@@ -97,8 +92,8 @@ def _headings(table: Table) -> dict[str, str]:
 
     The heading is empty where the page shows no such column.
     """
-    shown = {column.key: " ".join(column.title.split()) for column in table.columns}
-    return shown | {key: "" for key in table.numbers if key not in shown}
+    headings = {column.key: " ".join(column.title.split()) for column in table.columns}
+    return headings | {key: "" for key in table.numbers if key not in headings}
 
 
 # CSS variables for the figures' colours, so that figures follow the page's light or dark mode.

@@ -10,7 +10,7 @@ import tempfile
 from collections.abc import Callable, Iterable, Sequence
 from itertools import chain
 from pathlib import Path as FilePath
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from jinja2 import Template
 from markupsafe import Markup
@@ -100,9 +100,13 @@ def render(
     gc.set_threshold(100_000, 50, 100)
     try:
         results, empty = load_with_rows(paths)
-        target = paths[0] / "report" if out is None else FilePath(out)
-        every = (*(results.folders if results else ()), *empty)
-        return write_page(target, lambda: _sections(results, progress), every, head_of(every))
+        if out is None:
+            out = paths[0] / "report"
+        every_folder = empty
+        if results is not None:
+            every_folder = (*results.folders, *empty)
+        head = head_of(every_folder)
+        return write_page(out, lambda: _sections(results, progress), every_folder, head)
     finally:
         gc.set_threshold(*thresholds)
 
@@ -138,20 +142,23 @@ _SIGN = FilePath("tables", "dictionary.csv")  # a folder with this file is a rep
 
 
 def _check_target(target: FilePath) -> None:
-    if target.exists() and not target.is_dir():
+    if not target.exists():
+        return
+    if not target.is_dir():
         raise ReportError(f"{target} is a file; expected a folder to write the report to")
-    entries = {entry.name for entry in target.iterdir()} if target.exists() else set()
-    ours = _WRITTEN | _EARLIER if (target / _SIGN).exists() else set()
-    if others := entries - ours:
+    others = {entry.name for entry in target.iterdir()}
+    if (target / _SIGN).exists():
+        others -= _WRITTEN | _EARLIER
+    if others:
         raise ReportError(
             f"{target} holds {min(others)!r}, no part of a report; expected an empty folder"
         )
 
 
 def _sections(results: Results | None, progress: Progress | None) -> list[Section]:
-    sections: list[Section] = []
     if results is None:
         return [_without_rows(), failures_section(None), limits_section(None)]
+    sections: list[Section] = []
     for topic in TOPICS:
         if progress is not None:
             progress(topic.title)
@@ -214,22 +221,24 @@ def _write(
         "scripts": scripts(),
         **head._asdict(),
     }
-    front = {
+    front: dict[str, Any] = {
         "page": FRONT_PAGE,
         "open": places[Place.FRONT],
         "details": places[Place.DETAILS],
-        "others": [(PAPER_PAGE, "The paper, recomputed")] if paper else [],
+        "others": [],
     }
-    about_paper = {
-        "page": PAPER_PAGE,
-        "open": paper,
-        "details": [],
-        "others": [(FRONT_PAGE, "The study")],
-    }
-    for page in (front, about_paper):
-        if page is front or paper:
-            text = _template().render(**content, **page)
-            _write_text(folder / str(page["page"]), text)
+    pages = [front]
+    if paper:
+        front["others"] = [(PAPER_PAGE, "The paper, recomputed")]
+        about_paper = {
+            "page": PAPER_PAGE,
+            "open": paper,
+            "details": [],
+            "others": [(FRONT_PAGE, "The study")],
+        }
+        pages.append(about_paper)
+    for page in pages:
+        _write_text(folder / page["page"], _template().render(**content, **page))
 
 
 def _write_picture(picture: Picture, folder: FilePath) -> dict[str, Markup]:
@@ -293,10 +302,9 @@ def differing(recheck: Recheck) -> str:
 
     The rows' verdicts are compared with those of the folder.
     """
-    parts = ", ".join(f"{name} {count(n)}" for name, n in recheck.differing.items())
-    listed = ""
-    if parts:
-        listed = f" ({parts})"
+    listed = ", ".join(f"{name} {count(n)}" for name, n in recheck.differing.items())
+    if listed:
+        listed = f" ({listed})"
     unchecked = ""
     if recheck.left:
         unchecked = f"({some(recheck.left, 'answer')} to convex problems are not judged anew)"
@@ -316,4 +324,4 @@ def left_out(run: Folder) -> list[str]:
         "of earlier code of their solvers": run.rows.stale,
         "of cells that an earlier folder has, made by other code": run.rows.replaced,
     }
-    return [f"{some(number, 'row')} {why}" for why, number in lines.items() if number]
+    return [f"{some(number, 'row')} {reason}" for reason, number in lines.items() if number]

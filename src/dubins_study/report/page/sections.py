@@ -81,11 +81,11 @@ def _with_labels(section: Section, results: Results) -> Section:
     The short names are those of the page's solvers.
     """
     labels = labels_of(results)
-    blocks = tuple(
-        replace(block, labels=labels) if isinstance(block, Table) else block
-        for block in section.blocks
-    )
-    return replace(section, blocks=blocks)
+    blocks = list(section.blocks)
+    for place, block in enumerate(blocks):
+        if isinstance(block, Table):
+            blocks[place] = replace(block, labels=labels)
+    return replace(section, blocks=tuple(blocks))
 
 
 def _place(topic: Topic, results: Results) -> Place:
@@ -95,7 +95,9 @@ def _place(topic: Topic, results: Results) -> Place:
     """
     study = isinstance(topic.about, str) and topic.place is Place.DETAILS
     alone = all(run.section != BENCHMARK for run in results.folders)
-    return Place.FRONT if study and alone else topic.place
+    if study and alone:
+        return Place.FRONT
+    return topic.place
 
 
 def _selections(topic: Topic, results: Results) -> dict[str, Results]:
@@ -111,7 +113,9 @@ def _selections(topic: Topic, results: Results) -> dict[str, Results]:
     names = _of_kinds(keys)[topic.about]
     if names == set(keys):
         return {"": results}
-    return {"": results.only(names)} if names else {}
+    if names:
+        return {"": results.only(names)}
+    return {}
 
 
 def _of_kinds(keys: Mapping[str, str | None]) -> dict[General, set[str]]:
@@ -127,15 +131,17 @@ def _of_kinds(keys: Mapping[str, str | None]) -> dict[General, set[str]]:
 
     every = set(keys)
     suites: set[str] = set()
-    found: set[str] = set()
+    with_findings: set[str] = set()
     if BENCHMARK in keys.values():
         of_suites = {BENCHMARK, *admitted[General.BENCHMARKED]}
         suites = {name for name, key in keys.items() if key in of_suites}
-        found = suites | {name for name, key in keys.items() if key in admitted[General.FOUND]}
+        with_findings = suites | {
+            name for name, key in keys.items() if key in admitted[General.FOUND]
+        }
     return {
         General.EVERY: every,
         General.BENCHMARKED: suites,
-        General.FOUND: found,
+        General.FOUND: with_findings,
         General.COMPARED: entering(General.COMPARED),
         # studies alone are pooled
         General.POOLED: entering(General.POOLED) or suites or every,

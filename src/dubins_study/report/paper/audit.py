@@ -24,7 +24,7 @@ from collections.abc import Iterator, Sequence
 from decimal import Decimal
 from difflib import unified_diff
 from fractions import Fraction
-from itertools import product
+from itertools import chain, product
 from typing import Any, NamedTuple
 
 from flint import arb, ctx
@@ -59,7 +59,10 @@ from dubins_study.report.paper.printed import (
 from dubins_study.study.check.enclosure import right_left_solutions
 
 Record = dict[str, Any]
-DOUBLE, CUT, BIAS, WRONG = "double rounding", "truncated", "solver bias reproduced", "wrong"
+DOUBLE = "double rounding"
+CUT = "truncated"
+BIAS = "solver bias reproduced"
+WRONG = "wrong"
 _PLACES = 2  # decimals of a printed length
 _MOST_PLACES = 15  # decimals; a double has no more digits
 
@@ -75,7 +78,7 @@ def audit() -> Record:
     """
     with ctx.workdps(WORKING):
         return {
-            "cells": [cell for row in PRINTED for cell in _cells(row)],
+            "cells": list(chain.from_iterable(map(_cells, PRINTED))),
             "paths": [_path(row) for row in PRINTED],
             "algorithm": _algorithm(),
             "statements": _statements(),
@@ -93,13 +96,15 @@ def _cells(row: PrintedRow) -> Iterator[Record]:
     for place, printed in enumerate(row.cells):
         if printed == "0":
             continue
-        right = rounded(exact[place], _PLACES) == Decimal(printed)
+        verdict = CORRECT
+        if rounded(exact[place], _PLACES) != Decimal(printed):
+            verdict = _accident_of(place, row, accidents)
         yield row.record() | {
             "quantity": QUANTITIES[place],
             "printed": printed,
             "exact": text(exact[place]),
             "difference": float(ball(Decimal(printed)) - exact[place]),
-            "verdict": CORRECT if right else _accident_of(place, row, accidents),
+            "verdict": verdict,
         }
 
 
@@ -138,7 +143,9 @@ def _accident_of(place: int, row: PrintedRow, accidents: Sequence[Accident]) -> 
         return sum(map(Decimal.__eq__, accident.row, printed))
 
     fitting = [accident for accident in accidents if accident.row[place] == printed[place]]
-    return max(fitting, key=cells_given).verdict if fitting else WRONG
+    if not fitting:
+        return WRONG
+    return max(fitting, key=cells_given).verdict
 
 
 def _path(row: PrintedRow) -> Record:
@@ -149,13 +156,16 @@ def _path(row: PrintedRow) -> Record:
     with the distance from the best angle, so it is largest at a corner of the box.
     """
     problem = PROBLEMS[row.label]
-    z1, z2, z3 = (ball(Decimal(cell)) for cell in row.cells[:3])
+    printed = [ball(Decimal(cell)) for cell in row.cells[:3]]
     half = half_unit(_PLACES)
-    ends = [
-        (part,) if part == 0 else (part - half, part + half) for part in pieces(problem, row.word)
-    ]
+    ends = []
+    for part in pieces(problem, row.word):
+        if part == 0:
+            ends.append([part])
+        else:
+            ends.append([part - half, part + half])
     return row.record() | {
-        "miss": float(miss(problem, (z1, z2, z3))),
+        "miss": float(miss(problem, printed)),
         "rounding_allows": max(float(miss(problem, corner)) for corner in product(*ends)),
     }
 
@@ -183,18 +193,24 @@ def _crossing(position: str, problem: Problem) -> Record:
     left = positive(at.imag)
     circle = abs(at) ** 2 / (2 * abs(at.imag))
     near = target(problem, circle)
+    circle_side = "left"
+    word_beyond = "RL"
+    algorithm_word = "RS"
     if not left:
         near = near.conjugate()
+        circle_side = "right"
+        word_beyond = "LR"
+        algorithm_word = "LS"
     ((optimum,), _) = right_left_solutions(near.real, near.imag, inside=True)
     turn, straight = left_straight(near.conjugate())
     returned = turn + straight
     return {
         "label": position,
-        "circle": "left" if left else "right",
+        "circle": circle_side,
         "radius": text(circle),
-        "word_beyond": "RL" if left else "LR",
+        "word_beyond": word_beyond,
         "length_beyond": float(optimum * circle),
-        "algorithm_word": "RS" if left else "LS",
+        "algorithm_word": algorithm_word,
         "algorithm_length": float(returned * circle),
         "algorithm_excess": float(returned / optimum - 1),
     }
@@ -210,10 +226,10 @@ def _statements() -> list[Record]:
     ends: list[arb] = []  # final headings, not wrapped
     ratios: list[float] = []  # the longer of LS and RS by the shorter
     for problem in PROBLEMS.values():
-        both = [pieces(problem, word) for word in WORDS]
-        lengths = [z[0] + z[1] + z[2] for z in both]
+        solutions = [pieces(problem, word) for word in WORDS]
+        lengths = [z[0] + z[1] + z[2] for z in solutions]
         ratios.append(float(max(lengths) / min(lengths)))
-        turned = [(z[0] - z[1]) / problem.radius for z in both]
+        turned = [(z[0] - z[1]) / problem.radius for z in solutions]
         turns += turned
         ends += [heading(problem) + turn for turn in turned]
     # With nu0 = 1, (nu1, nu2) = -(cos, sin) of the end, nu3 from (2.10) and zero on the straight, H
@@ -221,11 +237,13 @@ def _statements() -> list[Record]:
     # rate of opposite sign.
     qualify = [turn for turn in turns if positive(1 - turn.cos())]
     # phi = end + pi, and an arctangent lies where the cosine is positive
-    off = [end for end in ends if positive(end.cos())]
+    wrong_quadrant = [end for end in ends if positive(end.cos())]
     inside = [end for end in ends if positive(end) and positive(2 * arb.pi() - end)]
     crossings = _algorithm()
     left = [crossing for crossing in crossings if crossing["circle"] == "left"]
-    times = [time for each in NUMBERS["scenarios"] for time in each.get("times", {}).values()]
+    times: list[str] = []
+    for scenario in NUMBERS["scenarios"]:
+        times += scenario.get("times", {}).values()
     numbers = {
         "scenarios": len(PROBLEMS),
         "paths": len(ends),
@@ -235,7 +253,7 @@ def _statements() -> list[Record]:
         "model_excess": _range(left),
         "qualify": len(qualify),
         "longest": max(ratios),
-        "off": len(off),
+        "off": len(wrong_quadrant),
         "outside": len(ends) - len(inside),
         "times": len(times),
         "ticks": sum(_is_ticks(time) for time in times),

@@ -120,9 +120,12 @@ def pieces(problem: Problem, word: str) -> Pieces:
     They are in the length unit; an assertion checks that the path arrives.
     """
     at = target(problem, arb(problem.radius))
-    unit = left_straight(at if word == "LS" else at.conjugate())
-    turn, straight = (value * problem.radius for value in unit)
-    z = (turn, arb(0), straight) if word == "LS" else (arb(0), turn, straight)
+    if word != "LS":
+        at = at.conjugate()
+    turn, straight = (value * problem.radius for value in left_straight(at))
+    z = (turn, arb(0), straight)
+    if word != "LS":
+        z = (arb(0), turn, straight)
     assert miss(problem, z) < ball(_NIL), f"{problem.label}, {word} does not arrive"
     return z
 

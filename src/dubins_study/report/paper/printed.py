@@ -48,10 +48,10 @@ class Problem(NamedTuple):
 
 
 PROBLEMS = {
-    each["label"]: Problem(
-        each["label"], Fraction(each["heading"]), tuple(each["target"]), each["radius"]
+    entry["label"]: Problem(
+        entry["label"], Fraction(entry["heading"]), tuple(entry["target"]), entry["radius"]
     )
-    for each in NUMBERS["scenarios"]
+    for entry in NUMBERS["scenarios"]
 }
 
 
@@ -66,7 +66,9 @@ class PrintedRow(NamedTuple):
     @property
     def word(self) -> str:
         """`LS` or `RS`, depending on which turn is printed as 0."""
-        return "RS" if self.cells[0] == "0" else "LS"
+        if self.cells[0] == "0":
+            return "RS"
+        return "LS"
 
     def record(self) -> dict[str, Any]:
         """The fields that identify the row in a record."""
@@ -74,9 +76,9 @@ class PrintedRow(NamedTuple):
 
 
 PRINTED = [
-    PrintedRow(each["table"], each["label"], path, cells)
-    for each in NUMBERS["scenarios"]
-    for path, cells in each["lengths"].items()
+    PrintedRow(entry["table"], entry["label"], path, cells)
+    for entry in NUMBERS["scenarios"]
+    for path, cells in entry["lengths"].items()
 ]
 
 

@@ -72,7 +72,9 @@ def chosen_shift(values: ArrayLike) -> float:
     """
     costs = np.asarray(values, dtype=np.float64).ravel()
     finite = costs[np.isfinite(costs)]
-    return float(np.quantile(finite, 0.25)) if finite.size else 0.0
+    if not finite.size:
+        return 0.0
+    return float(np.quantile(finite, 0.25))
 
 
 def penalised(table: pd.DataFrame, limit: float, factor: float = 1.0) -> pd.DataFrame:
@@ -101,7 +103,7 @@ def ranking(table: pd.DataFrame, limit: float, shift: float) -> pd.DataFrame:
         for factor, penalty in itertools.product(SHIFT_FACTORS, PENALTIES)
     }
     # 1 for the smallest; equal means share the better rank, NaN has none (<NA>)
-    ranked = {choice: each.rank(method="min") for choice, each in means.items()}
+    ranked = {choice: costs_of.rank(method="min") for choice, costs_of in means.items()}
     ranks = pd.DataFrame(ranked).astype("Int64")
     best = ranks.min(axis=1).astype("Int64")
     worst = ranks.max(axis=1).astype("Int64")
@@ -157,10 +159,12 @@ def _parts(rows: pd.DataFrame, amount: str) -> pd.DataFrame:
     The cost is in evaluations or seconds.
     """
     runs, best, total = (rows[name] for name in AMOUNTS[amount])
-    every = runs.map(np.nansum, na_action="ignore").astype(np.float64)
+    all_runs = runs.map(np.nansum, na_action="ignore").astype(np.float64)
     parts = pd.DataFrame({"winning run": best.astype(np.float64)})
-    parts["other runs"] = (every - best).clip(lower=0.0).fillna(0.0)
-    parts["building"] = rows["build_s"].fillna(0.0) if amount == "seconds" else 0.0
+    parts["other runs"] = (all_runs - best).clip(lower=0.0).fillna(0.0)
+    parts["building"] = 0.0
+    if amount == "seconds":
+        parts["building"] = rows["build_s"].fillna(0.0)
     counted = parts.sum(axis=1)
     parts["total"] = np.fmax(total.astype(np.float64), counted)
     parts["rest"] = parts["total"] - counted

@@ -60,7 +60,7 @@ def wilson_intervals(successes: ArrayLike, trials: ArrayLike, of: int = 1) -> Fl
     return np.stack([low, np.where(k < n, high, 1.0)], axis=-1)
 
 
-def _tail(of: int = 1) -> float:
+def _tail(of: int) -> float:
     """The probability beyond each end of an interval.
 
     The interval is one of `of` intervals that hold at once.
@@ -130,9 +130,10 @@ def bootstrap(
         column without values.
     """
     scenario, names = pd.factorize(table.index)
-    affordable = max(_FEWEST_RESAMPLES, _MOST_COUNTS // max(1, len(names)))
-    number = min(_resamples(of), affordable) if resamples is None else resamples
-    counts = scenario_counts(len(names), number)
+    if resamples is None:
+        affordable = max(_FEWEST_RESAMPLES, _MOST_COUNTS // max(1, len(names)))
+        resamples = min(_resamples(of), affordable)
+    counts = scenario_counts(len(names), resamples)
     # The first line is the data, each row once.
     weights = np.vstack([np.ones(len(table)), counts[:, scenario]])
     values: FloatArray = table.to_numpy(dtype=np.float64)
@@ -141,10 +142,9 @@ def bootstrap(
     else:
         rival = np.broadcast_to(table[[base]].to_numpy(dtype=np.float64), values.shape)
         missing = np.isnan(values) | np.isnan(rival)
-        above, below = (
-            statistic(np.where(missing, np.nan, side), weights) for side in (values, rival)
-        )
-        statistics = above / below
+        values = np.where(missing, np.nan, values)
+        rival = np.where(missing, np.nan, rival)
+        statistics = statistic(values, weights) / statistic(rival, weights)
     return _with_ends(statistics, table.columns.rename("solver"), of)
 
 
@@ -161,7 +161,7 @@ def bootstrap_of_both(table: pd.DataFrame, engines: Sequence[str], of: int = 1) 
     was not measured. One row with the columns estimate, low and high; NaN without values.
     """
     values: FloatArray = table.to_numpy(dtype=np.float64)
-    known = ~np.isnan(values)
+    measured = ~np.isnan(values)
     weights = []
     for seed, units in enumerate((table.index, pd.Index(engines))):
         place, names = pd.factorize(units)
@@ -169,8 +169,8 @@ def bootstrap_of_both(table: pd.DataFrame, engines: Sequence[str], of: int = 1) 
         weights.append(np.vstack([np.ones(len(place)), counts[:, place]]))
     rows, columns = weights
     with np.errstate(invalid="ignore"):  # 0 / 0: a resample without a value
-        sums = ((rows @ np.where(known, values, 0.0)) * columns).sum(axis=1)
-        means = sums / ((rows @ known) * columns).sum(axis=1)
+        sums = ((rows @ np.where(measured, values, 0.0)) * columns).sum(axis=1)
+        means = sums / ((rows @ measured) * columns).sum(axis=1)
     return _with_ends(means[:, np.newaxis], pd.Index(["all"]), of)
 
 
@@ -179,10 +179,12 @@ def _resamples(of: int) -> int:
 
     One of several intervals needs more: its tails have fewer resamples.
     """
-    return RESAMPLES if of == 1 else _OF_SEVERAL
+    if of == 1:
+        return RESAMPLES
+    return _OF_SEVERAL
 
 
-def _with_ends(statistics: FloatArray, names: pd.Index[Any], of: int = 1) -> pd.DataFrame:
+def _with_ends(statistics: FloatArray, names: pd.Index[Any], of: int) -> pd.DataFrame:
     """The estimate with the ends of its interval.
 
     Statistics have the shape (1 + resamples, columns); the first line is the estimate.
@@ -213,7 +215,7 @@ def medians(values: FloatArray, weights: FloatArray) -> FloatArray:
     Each value counts as often as its weight says.
     """
     resamples = (np.repeat(values, counts, axis=0) for counts in weights.astype(int))
-    return np.array([pd.DataFrame(each).median() for each in resamples])
+    return np.array([pd.DataFrame(resample).median() for resample in resamples])
 
 
 def averages(values: FloatArray, weights: FloatArray) -> FloatArray:
@@ -222,9 +224,9 @@ def averages(values: FloatArray, weights: FloatArray) -> FloatArray:
     For successes (0 or 1) it is their share; for differences of successes (-1, 0 or 1) the
     difference of two shares on the same questions.
     """
-    known = ~np.isnan(values)
+    measured = ~np.isnan(values)
     with np.errstate(invalid="ignore"):  # 0 / 0: a resample without a value
-        means: FloatArray = (weights @ np.where(known, values, 0.0)) / (weights @ known)
+        means: FloatArray = (weights @ np.where(measured, values, 0.0)) / (weights @ measured)
     return means
 
 
@@ -263,7 +265,8 @@ def sign_test(costs: ArrayLike, rival_costs: ArrayLike) -> PairedTest:
     (right) and 1 (wrong) it is McNemar's exact test of two success rates. It assumes nothing of the
     sizes of differences.
     """
-    first, rival = (np.asarray(values, dtype=np.float64) for values in (costs, rival_costs))
+    first = np.asarray(costs, dtype=np.float64)
+    rival = np.asarray(rival_costs, dtype=np.float64)
     pairs = int((~np.isnan(first) & ~np.isnan(rival)).sum())
     wins = int((first < rival).sum())
     losses = int((first > rival).sum())

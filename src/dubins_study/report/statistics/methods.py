@@ -49,17 +49,9 @@ def methods_of(rows: pd.DataFrame) -> pd.DataFrame:
     stated = rows.groupby("solver", observed=True)[_STATED].first().fillna(UNSTATED)
     names = stated.index.map(own_name).to_series(stated.index)
     stated["engine"] = names.where(names != "", stated["engine"])
-    settings: dict[str, str] = {}
-    shared = {
-        str(name): _differing_keys([parse_spec(spec)[1] for spec in group.index]) & {_PRESOLVE}
-        for name, group in stated.groupby("formulation")
-    }
     # A warm question's path is the question's own guess, not the method's.
     base_guess = stated["guess"].str.replace(" or warm", "", regex=False)
-    methods = stated.groupby([stated["formulation"], stated["engine"], base_guess], sort=False)
-    for (formulation, engine, _), group in methods:
-        with_name = engine == UNSTATED
-        settings |= _differing(group.index.tolist(), named=with_name, also=shared[str(formulation)])
+    settings = _settings_texts(stated, base_guess)
     frame = stated.assign(settings=[settings[spec] for spec in stated.index])
     guesses = base_guess.groupby([frame["formulation"], frame["engine"]]).transform("nunique")
     starts = base_guess.replace("none", "no") + " start"
@@ -68,12 +60,7 @@ def methods_of(rows: pd.DataFrame) -> pd.DataFrame:
     frame = frame.assign(variant=variant, short=_joined(frame["engine"], variant))
     stated_guess = frame["guess"].where(frame["guess"] != "none", "")
     details = _joined(stated_guess, frame["settings"])
-    frame["name"] = [
-        f"{engine} ({text}) on {formulation}" if text else f"{engine} on {formulation}"
-        for engine, text, formulation in zip(
-            frame["engine"], details, frame["formulation"], strict=True
-        )
-    ]
+    frame["name"] = [*map(_sentence_name, frame["engine"], details, frame["formulation"])]
     order = frame.assign(
         others=names == "",
         formulation=_places(frame["formulation"], FORMULATIONS),
@@ -83,6 +70,27 @@ def methods_of(rows: pd.DataFrame) -> pd.DataFrame:
         spec=_places(frame.index.to_series(), sorted(frame.index, key=natural)),
     )
     return frame.loc[order.sort_values(["others", *_STATED, "settings", "spec"]).index]
+
+
+def _settings_texts(stated: pd.DataFrame, guesses: pd.Series[str]) -> dict[str, str]:
+    """The settings of each spec that its name shows."""
+    presolves = {}
+    for name, group in stated.groupby("formulation"):
+        keys = _differing_keys([parse_spec(spec)[1] for spec in group.index])
+        presolves[str(name)] = keys & {_PRESOLVE}
+    texts: dict[str, str] = {}
+    methods = stated.groupby([stated["formulation"], stated["engine"], guesses], sort=False)
+    for (formulation, engine, _), group in methods:
+        also = presolves[str(formulation)]
+        texts |= _differing(group.index.tolist(), named=engine == UNSTATED, also=also)
+    return texts
+
+
+def _sentence_name(engine: str, details: str, formulation: str) -> str:
+    """A method's name in a sentence."""
+    if details:
+        engine += f" ({details})"
+    return f"{engine} on {formulation}"
 
 
 def _joined(*texts: pd.Series[str]) -> pd.Series[str]:
@@ -136,14 +144,15 @@ def drawn_methods(frame: pd.DataFrame) -> pd.DataFrame:
     the best supported; not the closed form, to which no engine compares, unless there is no other.
     """
     engines = frame[frame["formulation"] != FORMULATIONS[0]]
-    engines = engines if len(engines) else frame
+    if engines.empty:
+        engines = frame
     best = best_methods(engines, ["formulation", "engine"])
     best = best.assign(place=range(len(best)))
-    first = _ranked(best).sort_values(  # plug-ins' solvers first
+    ranked = _ranked(best).sort_values(  # plug-ins' solvers first
         "solver", key=lambda solvers: solvers.map(own_name).eq(""), kind="stable"
     )
-    shown = first.groupby("formulation", sort=False).head(MOST_ENGINES)
-    return shown.sort_values("place", kind="stable").drop(columns="place")
+    drawn = ranked.groupby("formulation", sort=False).head(MOST_ENGINES)
+    return drawn.sort_values("place", kind="stable").drop(columns="place")
 
 
 def foremost(scores: pd.Series[float], most: int = MOST_ENGINES) -> list[str]:
@@ -160,7 +169,7 @@ def foremost(scores: pd.Series[float], most: int = MOST_ENGINES) -> list[str]:
 def _differing_keys(settings: list[dict[str, str]]) -> set[str]:
     """The settings that some specs have otherwise than others."""
     keys = set[str]().union(*settings)
-    return {key for key in keys if len({each.get(key) for each in settings}) > 1}
+    return {key for key in keys if len({group.get(key) for group in settings}) > 1}
 
 
 def _differing(specs: list[str], *, named: bool, also: set[str]) -> dict[str, str]:
@@ -176,7 +185,9 @@ def _differing(specs: list[str], *, named: bool, also: set[str]) -> dict[str, st
     texts = {}
     for spec, (name, settings) in zip(specs, parsed, strict=True):
         items = [_setting_text(key, settings[key]) for key in shown if key in settings]
-        texts[spec] = ", ".join(([name] if several_names else []) + items)
+        if several_names:
+            items.insert(0, name)
+        texts[spec] = ", ".join(items)
     return texts
 
 
@@ -252,8 +263,8 @@ class Compared:
 
         Instead of their questions.
         """
-        first = self.rows.drop_duplicates("question").set_index("question")
-        return table.set_axis(first["scenario"].reindex(table.index).to_numpy(), axis=0)
+        questions = self.rows.drop_duplicates("question").set_index("question")
+        return table.set_axis(questions["scenario"].reindex(table.index).to_numpy(), axis=0)
 
 
 def once(compute: Callable[[Rows], T]) -> Callable[[Rows], T]:
@@ -261,13 +272,13 @@ def once(compute: Callable[[Rows], T]) -> Callable[[Rows], T]:
 
     Nobody may change its result.
     """
-    known: WeakKeyDictionary[Rows, T] = WeakKeyDictionary()
+    computed: WeakKeyDictionary[Rows, T] = WeakKeyDictionary()
 
     @wraps(compute)
     def look_up(rows: Rows) -> T:
-        if rows not in known:
-            known[rows] = compute(rows)
-        return known[rows]
+        if rows not in computed:
+            computed[rows] = compute(rows)
+        return computed[rows]
 
     return look_up
 
@@ -315,6 +326,10 @@ def _limit(rows: pd.DataFrame) -> float:
 
     If none is stated, the longest time of an attempt.
     """
-    stated = rows["limit_s"][np.isfinite(rows["limit_s"])]
-    longest = float((stated if len(stated) else rows["wall_s"]).max())
-    return longest if longest > 0 else 1.0
+    limits = rows["limit_s"][np.isfinite(rows["limit_s"])]
+    if limits.empty:
+        limits = rows["wall_s"]
+    longest = float(limits.max())
+    if longest > 0:
+        return longest
+    return 1.0

@@ -38,8 +38,8 @@ def natural(text: str) -> tuple[tuple[bool, float, str], ...]:
     parts = _NUMBER.split(text)
     texts = ((False, 0.0, part) for part in parts[::2])
     numbers = ((True, float(part), part) for part in parts[1::2])
-    both = chain.from_iterable(zip_longest(texts, numbers))
-    return tuple(filter(None, both))
+    alternating = chain.from_iterable(zip_longest(texts, numbers))
+    return tuple(filter(None, alternating))
 
 
 def solver_order(solvers: Sequence[str]) -> list[str]:
@@ -105,7 +105,9 @@ def circle_radius(x: float, y: float, heading: float, target_x: float, target_y:
     dx = target_x - x
     dy = target_y - y
     side = abs(dy * np.cos(heading) - dx * np.sin(heading))
-    return float((dx * dx + dy * dy) / (2 * side)) if side > 0 else float("inf")
+    if side > 0:
+        return float((dx * dx + dy * dy) / (2 * side))
+    return float("inf")
 
 
 def fitted_order(n: ArrayLike, gap: ArrayLike, floor: float = 1e-13) -> float:

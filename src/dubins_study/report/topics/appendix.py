@@ -34,13 +34,17 @@ def solvers_section(results: Results) -> Section | None:
     if names.empty:
         return None
     frame = names.reset_index(names="solver")
-    stated = [parse_spec(spec)[1] for spec in frame["solver"]]
-    every_setting = [results.settings.get(spec, {}) for spec in frame["solver"]]
-    frame["given"] = [_listed(each) for each in stated]
-    frame["defaults"] = [
-        _listed({key: value for key, value in every.items() if key not in each})
-        for every, each in zip(every_setting, stated, strict=True)
-    ]
+    settings_of = results.settings
+    stated_texts = []
+    default_texts = []
+    for spec in frame["solver"]:
+        stated = parse_spec(spec)[1]
+        every = settings_of.get(spec, {})
+        defaults = {name: value for name, value in every.items() if name not in stated}
+        stated_texts.append(_listed(stated))
+        default_texts.append(_listed(defaults))
+    frame["given"] = stated_texts
+    frame["defaults"] = default_texts
     caption = (
         "Short names and specs. A spec names the settings that are not the default; the solver's "
         "manifest has the others. Provenance has its hash and the versions of its packages."
@@ -59,7 +63,7 @@ def solvers_section(results: Results) -> Section | None:
 
 def _listed(settings: Mapping[str, Any]) -> str:
     texts = {"True": "yes", "False": "no"}
-    return ", ".join(f"{key} {texts.get(str(v), v)}" for key, v in settings.items())
+    return ", ".join(f"{key} {texts.get(str(value), value)}" for key, value in settings.items())
 
 
 def runs(folders: Iterable[Folder]) -> pd.DataFrame:
@@ -71,22 +75,33 @@ def runs(folders: Iterable[Folder]) -> pd.DataFrame:
     lines: list[dict[str, Any]] = []
     for folder in folders:
         for run in folder.manifest.runs:
-            # The entry of a killed run stays `running`; its seconds say nothing of its end.
-            runs_on = run.state == "running"
+            duration = run.seconds
+            state = run.state
+            if state == "running":
+                # The entry of a killed run stays so; its seconds say nothing of its end.
+                duration = None
+                state = "running, or killed"
             line = {
                 "experiment": folder.name,
                 "run": run.run_id,
                 "started": run.started,
-                "seconds": math.nan if run.seconds is None or runs_on else run.seconds,
-                "state": "running, or killed" if runs_on else run.state,
+                "seconds": _number(duration),
+                "state": state,
                 "executor": run.executor,
                 "jobs": str(run.jobs),
                 "where": f"{_machine(run.machine)}; governor {run.governor}",
                 "load": f"{_load(run.load_start)} to {_load(run.load_end)}",
-                "spread": math.nan if run.spread is None else run.spread,
+                "spread": _number(run.spread),
             }
             lines.append(line)
     return pd.DataFrame(lines)
+
+
+def _number(value: float | None) -> float:
+    """The number, or NaN for None."""
+    if value is None:
+        return math.nan
+    return value
 
 
 def _machine(machine: Mapping[str, Any]) -> str:
@@ -98,7 +113,9 @@ def _machine(machine: Mapping[str, Any]) -> str:
 
 def _load(averages: Sequence[float] | None) -> str:
     """The average over the last minute."""
-    return f"{averages[0]:.2f}" if averages else "?"
+    if not averages:
+        return "?"
+    return f"{averages[0]:.2f}"
 
 
 def runs_section(results: Results) -> Section | None:

@@ -52,7 +52,7 @@ _ALGORITHM = (
 _STATEMENTS = (
     *columns(kind="text", where="where"),
     *columns(kind="prose", says="says"),
-    *columns(lambda holds: "right" if holds else "wrong or incomplete", kind="text", holds="is"),
+    *columns({True: "right", False: "wrong or incomplete"}.__getitem__, kind="text", holds="is"),
     *columns(kind="prose", finding="found"),
 )
 
@@ -123,7 +123,9 @@ _MOST_DIGITS = 17  # of a printed length; the CSV file has all
 
 
 def _beginning(text: str) -> str:
-    return text if len(text) <= _MOST_DIGITS else f"{text[:_MOST_DIGITS]}…"
+    if len(text) <= _MOST_DIGITS:
+        return text
+    return f"{text[:_MOST_DIGITS]}…"
 
 
 _PRINTED = (

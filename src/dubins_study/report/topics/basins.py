@@ -99,8 +99,9 @@ def end_of(row: Mapping[Hashable, Any]) -> tuple[str, float]:
     if local_minimum is None:
         return FALSE_MINIMUM, math.nan
     word, turns = local_minimum
-    end = TURNS if word == row["reference_word"] and turns else OTHER
-    return end, turns
+    if word == row["reference_word"] and turns:
+        return TURNS, turns
+    return OTHER, turns
 
 
 def ends(rows: pd.DataFrame) -> pd.DataFrame:
@@ -144,8 +145,8 @@ def capping(table: pd.DataFrame) -> dict[bool, dict[str, float]]:
     """
     capped = table["solver"].map(is_capped)
     names = table["solver"].map(lambda spec: parse_spec(spec)[0])
-    both = table[capped.groupby(names).transform("nunique") == 2]
-    return {bounded: outcomes_of(rows) for bounded, rows in both.groupby(capped)}
+    with_both = table[capped.groupby(names).transform("nunique") == 2]
+    return {bounded: outcomes_of(rows) for bounded, rows in with_both.groupby(capped)}
 
 
 def basins_section(results: Results) -> Section | None:
@@ -157,8 +158,9 @@ def basins_section(results: Results) -> Section | None:
     table = ends(results.rows[results.rows["branch"] == "best"])
     if table.empty:
         return None
-    free = table[~table["solver"].map(is_capped)]
-    mapped = table if free.empty else free
+    mapped = table[~table["solver"].map(is_capped)]
+    if mapped.empty:
+        mapped = table
     names = _names(results, table["solver"].unique().tolist())
     straights = " and ".join(f"{z3:g}" for z3 in sorted(table["z3"].unique()))
     text = sentences(
@@ -235,8 +237,9 @@ def _pictures(table: pd.DataFrame, names: Mapping[str, str]) -> list[Picture]:
     place = table["solver"].map(order.index)
     placed = table.assign(x=table["z1"], y=table["z2"], kind=table["end"], place=place)
     pictures = []
-    for number, (key, rows) in enumerate(placed.groupby(["label", place // _ACROSS]), start=1):
-        label = str(key[0])
+    figures = placed.groupby(["label", place // _ACROSS])
+    for number, ((scenario, _), rows) in enumerate(figures, start=1):
+        label = str(scenario)
         panels = {}
         for solver, group in rows.sort_values("place").groupby("solver", sort=False):
             right = share((group["end"] == OPTIMUM).mean())

@@ -23,6 +23,7 @@ from dubins_study.report.elements.looks import LINES, labels_of
 from dubins_study.report.elements.plots import Mark
 from dubins_study.report.elements.style import BLUE, MUTED, VERMILION, log_axis
 from dubins_study.report.statistics.metrics import fitted_order, parse_spec
+from dubins_study.study.path import Path
 
 # Ipopt's constants (Waechter and Biegler 2006, sec. 2 and 3): the first barrier mu; the factor and
 # the power of its update, min(0.2 mu, mu^1.5); and its smallest value as a share of the tolerance.
@@ -65,8 +66,7 @@ def left_over(results: Results) -> pd.DataFrame:
     barriers = {spec: barrier(spec, settings) for spec in rows["solver"].unique()}
     mu = rows["solver"].map(barriers).astype(float)
     predicted = np.cbrt(mu * rows["radius"] ** 2)
-    paths = [results.path(index) for index in rows.index]
-    turns = [math.nan if p is None else p.lengths[p.curvatures < 0].sum() for p in paths]
+    turns = [_right_turn(results.path(index)) for index in rows.index]
     z2 = pd.Series(turns, rows.index, dtype=float)
     z2 = z2.mask(z2 < _ROUNDING * rows["radius"], 0.0)
     return rows.assign(
@@ -77,6 +77,16 @@ def left_over(results: Results) -> pd.DataFrame:
         ratio=z2 / predicted,
         excess_ratio=(rows["length"] - rows["reference"]) / (mu / 3),
     )
+
+
+def _right_turn(path: Path | None) -> float:
+    """The length of a path's right turns.
+
+    NaN without a path.
+    """
+    if path is None:
+        return math.nan
+    return float(path.lengths[path.curvatures < 0].sum())
 
 
 # what Ipopt is asked for by the setting `options`, where `tol` is 0
@@ -159,12 +169,16 @@ def _prediction(with_barrier: pd.DataFrame) -> str:
     The largest deviation, and the slope.
     """
     deviation = float((with_barrier["ratio"] - 1).abs().max())
-    shown = digits(2)(deviation)
-    comparison = f"is within a relative {shown} of this"
+    deviation_text = digits(2)(deviation)
+    comparison = f"is within a relative {deviation_text} of this"
     if deviation > _FOLLOWS:
-        comparison = f"does not follow this everywhere: it is up to a relative {shown} away"
+        comparison = (
+            f"does not follow this everywhere: it is up to a relative {deviation_text} away"
+        )
     failed = int((with_barrier["claim"] == "failed").sum())
-    failures = f", though the solver calls {failed} of them failures" if failed else ""
+    failures = ""
+    if failed:
+        failures = f", though the solver calls {failed} of them failures"
     excess = with_barrier["excess_ratio"]
     return (
         f"Over {count(len(with_barrier))} attempts z₂ {comparison}; the slope in logarithms is "

@@ -36,10 +36,10 @@ class Caution(NamedTuple):
 
 def overlapping_shares(attempts: Compared) -> Caution | None:
     """The precision of shares at this many questions."""
-    asked = attempts.answerable.groupby("experiment")["question"].nunique()
-    if asked.empty:
+    by_experiment = attempts.answerable.groupby("experiment")["question"].nunique()
+    if by_experiment.empty:
         return None
-    questions = int(asked.min())
+    questions = int(by_experiment.min())
     low, high = wilson_intervals(_TYPICAL_SHARE * questions, questions)
     points = 100 * (high - low) / 2
     return Caution(
@@ -97,13 +97,13 @@ def missing_pairs(results: Results, attempts: Compared) -> Caution | None:
         pairs = {(entry.formulation, entry.engine) for entry in folder.manifest.matrix}
         entries |= {pair for pair in pairs if FORMULATIONS[0] not in pair}
     methods = attempts.engines
-    asked = set(zip(methods["formulation"], methods["engine"], strict=True))
-    missing = len(entries - asked)
+    with_rows = set(zip(methods["formulation"], methods["engine"], strict=True))
+    missing = len(entries - with_rows)
     if not missing:
         return None
     return Caution(
         f"Do not conclude anything about missing pairs: {count(missing)} of "
-        f"{count(len(entries | asked))} pairs of a formulation and an engine have no rows.",
+        f"{count(len(entries | with_rows))} pairs of a formulation and an engine have no rows.",
         "all formulations with all engines",
         "Formulation by engine",
     )
@@ -117,7 +117,7 @@ def caution_section(results: Results) -> Section | None:
     attempts = compared(results)
     if attempts is None:
         return None
-    every: list[Caution | None] = [
+    cautions: list[Caution | None] = [
         overlapping_shares(attempts),
         unsteady_machine(results),
         stopped_attempts(attempts),
@@ -129,7 +129,7 @@ def caution_section(results: Results) -> Section | None:
         *columns(kind="section", shown_in="shown in"),
     )
     caption = "Each number is computed from the rows and the runs' manifests."
-    frame = pd.DataFrame([caution for caution in every if caution is not None])
+    frame = pd.DataFrame([caution for caution in cautions if caution is not None])
     table = Table("caution", caption, frame, shown, stacked=True)
     lead = "Read these sentences before you quote a number from this page."
     return Section("caution", "What not to conclude", "", (table,), lead)

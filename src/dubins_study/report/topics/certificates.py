@@ -39,9 +39,13 @@ def proofs(attempts: pd.DataFrame) -> pd.DataFrame:
     # too: only nu3 = 0 at its end and H = 0 restrict its costates, which leaves a whole family.
     extremal = attempts["gap"].notna() & (attempts["pmp_residual"] <= PMP_TOLERANCE)
     error = attempts["costate_error"].where(extremal & ~attempts["word"].isin(("L", "R")))
-    counts = {"certified": attempts["proof"].notna(), **{kind: kinds.eq(kind) for kind in PROOFS}}
-    counts |= {"multipliers": error.notna(), "bounds": attempts["lower_bound"].notna()}
-    counts |= {"false_bounds": is_true(attempts["false_bound"])}
+    counts = {
+        "certified": attempts["proof"].notna(),
+        **{kind: kinds.eq(kind) for kind in PROOFS},
+        "multipliers": error.notna(),
+        "bounds": attempts["lower_bound"].notna(),
+        "false_bounds": is_true(attempts["false_bound"]),
+    }
     solver = attempts["solver"]
     frame = pd.DataFrame(counts).groupby(solver).sum()
     return frame.assign(

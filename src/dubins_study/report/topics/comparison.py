@@ -76,10 +76,8 @@ def _costs(compared: Compared, rows: pd.DataFrame, cost: str) -> pd.DataFrame:
         return pd.DataFrame(index=pd.Index([], name="question"))
     table = cost_table(rows, cost, ["question"])
     share_met = table.notna().mean()
-    columns_shown = [
-        s for s in compared.engines.index if s in table and share_met[s] >= ENOUGH_ASKED
-    ]
-    return table[columns_shown]
+    engines = compared.engines.index
+    return table[[name for name in engines if name in table and share_met[name] >= ENOUGH_ASKED]]
 
 
 class Ranks(NamedTuple):
@@ -141,9 +139,9 @@ def _profiles(table: pd.DataFrame, ranked: pd.DataFrame, palette: Palette) -> Pi
         named[name] = foremost(-best.rank(method="first").min(axis=1), MOST_NAMED)
         profiles[name] = performance_profile(shared[group])
     grey = sum(len(profile.columns) - len(named[name]) for name, profile in profiles.items())
-    rest = ""
+    colours = ""
     if grey:
-        rest = (
+        colours = (
             f"Named: the {MOST_NAMED} of each panel with the least means or most often right; "
             f"grey: {some(grey, 'method')} more."
         )
@@ -151,14 +149,23 @@ def _profiles(table: pd.DataFrame, ranked: pd.DataFrame, palette: Palette) -> Pi
         "Performance profiles (Dolan and Moré): the share of questions answered correctly within a "
         "factor of the formulation's fastest right answer. Left: how often a method is the "
         "fastest; right: how often it is right at all. Read only the highest curve as best.",
-        rest,
+        colours,
     )
     solvers = chain.from_iterable(named.values())
     names = {solver: str(ranked["short"][solver]) for solver in solvers}
     label = "time / time of the fastest right answer of the formulation"
     alt = "Performance profiles in small panels, one per formulation"
-    data = profiles, names, palette, label
-    return panels_picture("comparison-profiles", caption, share_curves, alt, *data, same_x=False)
+    return panels_picture(
+        "comparison-profiles",
+        caption,
+        share_curves,
+        alt,
+        profiles,
+        names,
+        palette,
+        label,
+        same_x=False,
+    )
 
 
 # Most rivals of a formulation's best method in a table of tests.
@@ -167,11 +174,9 @@ _MOST_RIVALS = 6
 
 def rank_table(ranked: pd.DataFrame, shift: float, limit_s: float) -> Table:
     """Shares right, means and ranks."""
-    places = zip(ranked["rank"], ranked["best"], ranked["worst"], strict=True)
-    frame = ranked.assign(
-        place=[str(rank) if rank is not pd.NA else f"none\n({a} to {b})" for rank, a, b in places]
-    )
+    places = [*map(_place_text, ranked["rank"], ranked["best"], ranked["worst"])]
     shown = (
+        *method_columns(ranked),
         *columns(count, questions="questions"),
         interval_column("right", "right"),
         interval_column("mean", "mean time"),
@@ -184,10 +189,16 @@ def rank_table(ranked: pd.DataFrame, shift: float, limit_s: float) -> Table:
         "times the limit. 95 % intervals: Wilson's for shares, one trial per question; bootstrap "
         "over scenarios for means."
     )
-    texts = with_interval_texts(frame, right=share, mean=seconds)
-    every = (*method_columns(frame), *shown)
+    frame = with_interval_texts(ranked.assign(place=places), right=share, mean=seconds)
     numbers = interval_keys("right", "mean")
-    return Table("comparison-ranks", caption, texts, every, numbers=numbers, dense=True)
+    return Table("comparison-ranks", caption, frame, shown, numbers=numbers, dense=True)
+
+
+def _place_text(rank: Any, best: Any, worst: Any) -> str:
+    """A rank, or the range of ranks."""
+    if rank is pd.NA:
+        return f"none\n({best} to {worst})"
+    return str(rank)
 
 
 def test_table(tests: pd.DataFrame, ranked: pd.DataFrame) -> Table:
@@ -209,12 +220,14 @@ def test_table(tests: pd.DataFrame, ranked: pd.DataFrame) -> Table:
         *columns(kind="text", verdict="verdict"),
     )
     left_out = len(tests) - len(near)
-    rest = f" {count(left_out)} tests of rivals with larger means are left out." if left_out else ""
+    absent = ""
+    if left_out:
+        absent = f" {count(left_out)} tests of rivals with larger means are left out."
     caption = (
         "Paired tests (exact sign test, question by question) of each formulation's best method "
         "against its others. A failure loses to every right answer; two failures tie. Holm's "
         f"correction over all {count(len(tests))} tests. No rank: p is above {LEVEL}; do not say "
-        f"which is faster. The means, not p, say how much faster.{rest}"
+        f"which is faster. The means, not p, say how much faster.{absent}"
     )
     return Table("comparison-tests", caption, frame, shown, dense=True)
 

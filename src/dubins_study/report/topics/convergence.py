@@ -82,7 +82,9 @@ def series(spec: str) -> str:
     name, settings = parse_spec(spec)
     settings.pop(SIZES[name], None)
     others = ",".join(f"{key}={value}" for key, value in settings.items())
-    return f"{name}[{others}]" if others else name
+    if not others:
+        return name
+    return f"{name}[{others}]"
 
 
 def _named(solvers: pd.Series, labels: Mapping[str, str]) -> dict[str, str]:
@@ -160,8 +162,8 @@ def _pictures(lines: pd.DataFrame, palette: Palette) -> list[Picture]:
     pictures = []
     for (measure, place), group in positive.groupby(["measure", "place"]):
         stem, ylabel, text = _FIGURES[str(measure)]
-        axes = ("steps, headings or elements N", ylabel)
-        figure = parameter_lines(group, "size", "value", palette, *axes, height=3.7)
+        xlabel = "steps, headings or elements N"
+        figure = parameter_lines(group, "size", "value", palette, xlabel, ylabel, height=3.7)
         caption = f"Targets {place}: {text}"
         name = f"{stem}-{slug(str(place))}"
         pictures.append(Picture(name, caption, figure, caption, half=True))

@@ -93,7 +93,9 @@ def _bars(table: pd.DataFrame) -> pd.DataFrame:
     """
     order = table.sort_values("total")
     several = order[order["other runs"] > _HARDLY]
-    chosen = (several if len(several) else order).groupby("formulation", sort=False).head(_MOST)
+    if several.empty:
+        several = order
+    chosen = several.groupby("formulation", sort=False).head(_MOST)
     return table[table.index.isin([*own(table.index), *chosen.index])]
 
 

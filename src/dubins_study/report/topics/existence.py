@@ -63,8 +63,8 @@ def existence(attempts: pd.DataFrame) -> pd.DataFrame:
     for name in _ANSWERS:
         frame = with_share(frame, name, frame[name], frame["reached"])
     frame = with_share(frame, "denied", frame["denied"], frame["questions"])
-    asked = (frame[["reached", "presolved"]] > 0).any(axis="columns")
-    return frame[asked | (frame["denied"] > 0)].reset_index(drop=True)
+    was_asked = (frame[["reached", "presolved"]] > 0).any(axis="columns")
+    return frame[was_asked | (frame["denied"] > 0)].reset_index(drop=True)
 
 
 _LEAD = "See which solvers prove that no path exists, say nothing, or are wrong."
@@ -76,9 +76,13 @@ _COLUMNS = (
     *columns(kind="cell", denied_text="denies a path"),
 )
 _NUMBERS = (
-    *("solver", "unasked", "reached"),
+    "solver",
+    "unasked",
+    "reached",
     *share_keys(*_ANSWERS),
-    *("questions", "denied", *share_keys("denied")),
+    "questions",
+    "denied",
+    *share_keys("denied"),
 )
 
 
@@ -150,12 +154,15 @@ def _text(frame: pd.DataFrame) -> str:
     reached = frame["reached"].sum()
     presolved = frame["presolved"].sum()
     total = reached + presolved
-    names = {"right": "right", "local": "right of the last point alone"}
-    names |= {"silent": "silent", "wrong": "wrong"}
-    sums = frame[list(names)].sum()
-    parts = [f"{text}: {share(sums[name] / max(reached, 1))}" for name, text in names.items()]
+    names = {
+        "right": "right",
+        "local": "right of the last point alone",
+        "silent": "silent",
+        "wrong": "wrong",
+    }
+    shares = frame[list(names)].sum() / max(reached, 1)
+    parts = [f"{text}: {share(shares[name])}" for name, text in names.items()]
     denied = frame[frame["denied"] > 0]
-    worst = denied.sort_values("denied_share", kind="stable").tail(1).to_dict("records")
     by_presolve = ""
     if presolved:
         by_presolve = (
@@ -165,17 +172,20 @@ def _text(frame: pd.DataFrame) -> str:
     by_engines = ""
     if reached:
         by_engines = f"Of those that reached an engine, {', '.join(parts)}."
+    denials = ""
+    if len(denied):
+        worst = denied.sort_values("denied_share", kind="stable").iloc[-1]
+        denials = (
+            f"{len(denied)} of {len(frame)} solvers say of a question with a path that there is "
+            f"none, at least near their last point, most often {worst['name']}: "
+            f"{share(worst['denied_share'])} of {some(int(worst['questions']), 'question')}."
+        )
     return sentences(
         "To recognise that no path exists is another task than to find one. A search that finds "
         "no path where none exists has not failed.",
         by_presolve,
         by_engines,
-        *(
-            f"{len(denied)} of {len(frame)} solvers say of a question with a path that there is "
-            f"none, at least near their last point, most often {row['name']}: "
-            f"{share(row['denied_share'])} of {some(int(row['questions']), 'question')}."
-            for row in worst
-        ),
+        denials,
     )
 
 

@@ -24,10 +24,20 @@ OUTCOMES = (*STOPPED, "unavailable", "not_asked")
 KINDS = ("no return", "no path", "misses", "longer")
 # Columns that name an example; the plainest example is the first in their order.
 _EXAMPLE = (
-    *("warm", "repeat", "distance", "x", "y", "heading", "target_x", "target_y"),
-    *("radius", "branch", "profile", "experiment"),
+    "warm",
+    "repeat",
+    "distance",
+    "x",
+    "y",
+    "heading",
+    "target_x",
+    "target_y",
+    "radius",
+    "branch",
+    "profile",
+    "experiment",
 )
-_SAID = ["solver", "outcome", "claim", "verdict", "message"]
+_BY_MESSAGE = ["solver", "outcome", "claim", "verdict", "message"]
 
 
 def gist(message: str) -> str:
@@ -62,7 +72,8 @@ def plainest(attempts: pd.DataFrame, keys: list[str]) -> pd.DataFrame:
     The first by `_EXAMPLE`; cold if the group has a cold one.
     """
     warm = attempts["initial_guess"].ne("cold")
-    dx, dy = (attempts[f"target_{name}"] - attempts[name] for name in "xy")
+    dx = attempts["target_x"] - attempts["x"]
+    dy = attempts["target_y"] - attempts["y"]
     placed = attempts.assign(warm=warm, distance=np.sqrt(dx**2 + dy**2) / attempts["radius"])
     return placed.sort_values(list(_EXAMPLE), kind="stable").drop_duplicates(keys)
 
@@ -77,11 +88,11 @@ def failures(attempts: pd.DataFrame) -> pd.DataFrame:
     failed = attempts[kinds_of(attempts) != ""]
     messages = failed["message"].replace("", None).fillna(failed["native_status"]).fillna("")
     failed = failed.assign(message=messages.map({text: gist(text) for text in messages.unique()}))
-    sums = failed.groupby(_SAID, dropna=False).size().rename("attempts").reset_index()
-    joined = sums.merge(plainest(failed, _SAID), on=_SAID, how="left")
+    sums = failed.groupby(_BY_MESSAGE, dropna=False).size().rename("attempts").reset_index()
+    joined = sums.merge(plainest(failed, _BY_MESSAGE), on=_BY_MESSAGE, how="left")
     joined["stopped"] = joined["outcome"].isin(STOPPED)
-    order = ["stopped", "attempts", *_SAID]
-    return joined.sort_values(order, ascending=[False, False] + [True] * len(_SAID))
+    order = ["stopped", "attempts", *_BY_MESSAGE]
+    return joined.sort_values(order, ascending=[False, False] + [True] * len(_BY_MESSAGE))
 
 
 def with_commands(table: pd.DataFrame) -> pd.DataFrame:
@@ -109,14 +120,16 @@ def failures_section(results: Results | None) -> Section:
 
     The results of an empty run are None.
     """
-    untaken = "" if results is None else _untaken_text(results.untaken)
+    untaken = ""
+    if results is not None:
+        untaken = _untaken_text(results.untaken)
     if results is None or results.rows.empty:
         lead = "No attempt was recorded, so nothing is known to have failed."
         return Section("failures", _TITLE, untaken, (), lead)
     attempts = results.attempts
     lost = attempts["outcome"].value_counts().reindex(OUTCOMES, fill_value=0)
     kinds = kinds_of(attempts).value_counts().reindex(KINDS, fill_value=0)
-    asked = int(attempts["answerable"].sum())
+    answerable = int(attempts["answerable"].sum())
     failed = int(kinds.sum())
     blocks: list[Table] = []
     if failed:
@@ -125,7 +138,7 @@ def failures_section(results: Results | None) -> Section:
     lead = "Nothing failed."
     if failed or lost.any():
         lead = "Read the messages of failures; the command beside each repeats one."
-    text = sentences(_lost_text(lost, len(attempts)), _failed_text(kinds, asked), untaken)
+    text = sentences(_lost_text(lost, len(attempts)), _failed_text(kinds, answerable), untaken)
     return Section("failures", _TITLE, text, tuple(blocks), lead)
 
 
@@ -140,7 +153,7 @@ def _lost_text(lost: pd.Series[int], total: int) -> str:
     return f"{count(lost.sum())} of {some(total, 'attempt')} did not return ({', '.join(parts)})."
 
 
-def _failed_text(kinds: pd.Series[int], asked: int) -> str:
+def _failed_text(kinds: pd.Series[int], total: int) -> str:
     """How many attempts failed, by kind.
 
     The questions have a path; the text is empty if none failed.
@@ -150,8 +163,8 @@ def _failed_text(kinds: pd.Series[int], asked: int) -> str:
         return ""
     parts = [f"{count(n)} {_KIND_TEXT[str(kind)]}" for kind, n in kinds.items() if n]
     return (
-        f"Of {some(asked, 'attempt')} at questions that have a path, {count(failed)} failed "
-        f"({share(failed / asked)}): {', '.join(parts)}. Where no path exists, an attempt without "
+        f"Of {some(total, 'attempt')} at questions that have a path, {count(failed)} failed "
+        f"({share(failed / total)}): {', '.join(parts)}. Where no path exists, an attempt without "
         "a path has not failed."
     )
 

@@ -31,13 +31,20 @@ def kind_maps(
     The maps stand side by side, or one below the other if `narrow`. `dress` adds to a map; a map
     is `high` inches high. Columns of each table: those of `draw_kinds`.
     """
-    down, across = (len(panels), 1) if narrow else (1, len(panels))
+    down = 1
+    across = len(panels)
+    width = WIDE
+    characters = 110  # in a line of the legend
+    if narrow:
+        down = len(panels)
+        across = 1
+        width = HALF
+        characters = 50
     kinds = pd.concat(panels.values())["kind"]
     present = [mark for mark in marks if kinds.eq(mark.key).any()]
     letters = max(len(mark.label or mark.key) for mark in present)
-    columns = max(1, (50 if narrow else 110) // (letters + 6))
+    columns = max(1, characters // (letters + 6))
     legend = 0.2 + 0.17 * -(-len(present) // columns)
-    width = HALF if narrow else WIDE
     figure = new_figure(width, high * down + legend)
     axes = figure.subplots(down, across, sharex=True, sharey=True, squeeze=False)
     for ax, (title, table) in zip(axes.ravel(), panels.items(), strict=True):

@@ -40,7 +40,6 @@ from dubins_study.report.elements.style import (
     ON_MAP,
     PAPER,
     WIDE,
-    Style,
     new_figure,
 )
 from dubins_study.report.statistics.intervals import scenario_shares
@@ -64,9 +63,9 @@ def matrix(methods: pd.DataFrame, entries: Sequence[MatrixEntry]) -> pd.DataFram
     (whether there is one), few (whether it was asked less than half as many questions as others),
     reason (empty if filled) and note (the reason's number from 1, 0 if filled).
     """
-    asked = methods[(methods["formulation"] != _FORMULA) & (methods["right_of"] > 0)]
-    most = asked.groupby(["engine", "formulation"])["right_of"].transform("max")
-    whole = asked[2 * asked["right_of"] > most]  # without methods asked a sample only
+    engines = methods[(methods["formulation"] != _FORMULA) & (methods["right_of"] > 0)]
+    most = engines.groupby(["engine", "formulation"])["right_of"].transform("max")
+    whole = engines[2 * engines["right_of"] > most]  # without methods asked a sample only
     best = best_methods(whole, ["engine", "formulation"]).assign(filled=True)
     usable = [entry for entry in entries if entry.formulation != _FORMULA]
     with_rows = set(best["engine"])
@@ -75,14 +74,14 @@ def matrix(methods: pd.DataFrame, entries: Sequence[MatrixEntry]) -> pd.DataFram
     names = {*best["formulation"], *(entry.formulation for entry in usable)}
     formulations = [name for name in FORMULATIONS if name in names]
     formulations += sorted(names - set(formulations))
-    why = {(e.engine, e.formulation): e.reason or _NOT_ASKED for e in usable}
+    reasons = {(entry.engine, entry.formulation): entry.reason or _NOT_ASKED for entry in usable}
     lines: list[tuple[str, ...]] = []
     for kind, engine in _engines(usable, best):
-        lines += [(kind, engine, name, why.get((engine, name), "")) for name in formulations]
+        lines += [(kind, engine, name, reasons.get((engine, name), "")) for name in formulations]
     pairs = pd.DataFrame(lines, columns=["kind", "engine", "formulation", "reason"])
     cells = pairs.merge(best, on=["engine", "formulation"], how="left")
     cells["filled"] = cells["filled"].eq(True)
-    cells["few"] = cells["right_of"] < asked["right_of"].max() / 2
+    cells["few"] = cells["right_of"] < engines["right_of"].max() / 2
     cells["reason"] = cells["reason"].where(~cells["filled"], "")
     cells["note"] = pd.factorize(cells["reason"].where(cells["reason"] != ""))[0] + 1
     return cells
@@ -96,11 +95,14 @@ def _engines(entries: Sequence[MatrixEntry], best: pd.DataFrame) -> list[tuple[s
     kind_of: dict[str, str] = {}
     for entry in entries:
         kind_of.setdefault(entry.engine, entry.kind or _NO_KIND)
-    no_kind = _NO_KIND if entries else ""
+    no_kind = ""
+    if entries:
+        no_kind = _NO_KIND
     for engine in sorted(set(best["engine"]), key=str.casefold):
         kind_of.setdefault(engine, no_kind)
     plugins = best.loc[best["solver"].map(own_name) != "", "engine"]
-    kind_of = dict.fromkeys(plugins, "plug-in") | kind_of | dict.fromkeys(plugins, "plug-in")
+    plugin_kinds = dict.fromkeys(plugins, "plug-in")
+    kind_of = plugin_kinds | kind_of | plugin_kinds  # they come first, whatever an entry says
     kinds = list(dict.fromkeys(kind_of.values()))
     order = sorted(kind_of, key=lambda engine: kinds.index(kind_of[engine]))
     return [(kind_of[engine], engine) for engine in order]
@@ -166,24 +168,49 @@ def plot_matrix(ax: Axes, cells: pd.DataFrame, size: float) -> None:
     across = len(names)
     # by engine, then by formulation
     shares = cells["right_share"].to_numpy(dtype=np.float64).reshape(lines, across)
-    gaps: Style = {"edgecolors": PAPER, "linewidth": 1.2}
-    places = range(across), range(lines)
-    ax.pcolormesh(*places, np.ma.masked_invalid(shares), cmap=DEPTH, vmin=0, vmax=1, **gaps)
+    ax.pcolormesh(
+        range(across),
+        range(lines),
+        np.ma.masked_invalid(shares),
+        cmap=DEPTH,
+        vmin=0,
+        vmax=1,
+        edgecolors=PAPER,
+        linewidth=1.2,
+    )
     ax.invert_yaxis()
     for place, cell in enumerate(cells.to_dict("records")):
-        text = f"[{cell['note']}]" if cell["note"] else ""
+        text = ""
         ink = MUTED
+        if cell["note"]:
+            text = f"[{cell['note']}]"
         if cell["filled"]:
-            star = "*" if cell["few"] else ""
-            text = f"{percent(cell['right_share'], 0)}{star}"
-            ink = MAP_PAPER if cell["right_share"] > _DARK else ON_MAP
-        style: Style = {"ha": "center", "va": "center", "fontsize": size, "color": ink}
-        # the layout need not measure what lies inside the axes
-        ax.text(place % across, place // across, text, in_layout=False, **style)
+            text = percent(cell["right_share"], 0)
+            ink = ON_MAP
+            if cell["right_share"] > _DARK:
+                ink = MAP_PAPER
+            if cell["few"]:
+                text += "*"
+        ax.text(
+            place % across,
+            place // across,
+            text,
+            ha="center",
+            va="center",
+            fontsize=size,
+            color=ink,
+            in_layout=False,  # the layout need not measure what lies inside the axes
+        )
     ax.set_yticks(range(lines), engines["engine"], color=INK, fontsize=7)
-    # Aslant, since a name is wider than its column.
-    aslant: Style = {"rotation": 40, "ha": "left", "rotation_mode": "anchor", "fontsize": size}
-    ax.set_xticks(range(across), names, color=INK, **aslant)
+    ax.set_xticks(
+        range(across),
+        names,
+        rotation=40,  # since a name is wider than its column
+        rotation_mode="anchor",
+        ha="left",
+        color=INK,
+        fontsize=size,
+    )
     ax.xaxis.tick_top()
     ax.tick_params(length=0)
     ax.grid(False)
@@ -237,8 +264,12 @@ def _text(cells: pd.DataFrame) -> str:
 
 
 def _picture(cells: pd.DataFrame) -> Picture:
-    star = " A star: asked less than half as many questions." if cells["few"].any() else ""
-    reasons = " In brackets: why the pair has no row." if cells["note"].any() else ""
+    star = ""
+    if cells["few"].any():
+        star = " A star: asked less than half as many questions."
+    reasons = ""
+    if cells["note"].any():
+        reasons = " In brackets: why the pair has no row."
     caption = (
         "Percent of the questions with a path answered right, with the pair's best initial guess "
         "and settings. The choice was made after the runs, so the shares are slightly too high."
@@ -250,8 +281,11 @@ def _picture(cells: pd.DataFrame) -> Picture:
 
 
 def _figure(cells: pd.DataFrame, height: float, *, narrow: bool) -> Figure:
-    width = HALF if narrow else WIDE
-    letters = 4.8 if narrow else 6.5
+    width = WIDE
+    letters = 6.5
+    if narrow:
+        width = HALF
+        letters = 4.8
     figure = new_figure(width, height)
     plot_matrix(figure.add_subplot(), cells, letters)
     return figure

@@ -35,7 +35,7 @@ def word_paths(results: Results, solver: str) -> dict[tuple[str, str], Path]:
     first = rows[arrived].drop_duplicates(["label", "branch"])
     paths = {
         (label, branch): results.path(index)
-        for index, label, branch in zip(first.index, first["label"], first["branch"], strict=True)
+        for index, label, branch in first[["label", "branch"]].itertuples()
     }
     return {key: path for key, path in paths.items() if path is not None}
 
@@ -48,7 +48,7 @@ def side_by_side(cells: pd.DataFrame) -> pd.DataFrame:
     """
     rows = []
     for (label, path), row in cells.groupby(["label", "path"], sort=False):
-        marked = row["printed"] + row["verdict"].map(lambda text: "" if text == CORRECT else " ✗")
+        marked = row["printed"] + row["verdict"].eq(CORRECT).map({True: "", False: " ✗"})
         exact = row["exact"].map(_exact_text)
         for source, texts in (("paper", marked), ("exact", exact)):
             named = {"label": label, "path": path, "source": source}

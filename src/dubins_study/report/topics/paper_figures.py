@@ -25,8 +25,12 @@ from dubins_study.study.scenario import Pose, Scenario
 
 _COLOURS = (BLUE, VERMILION, GREEN)
 _TARGET_RING: dict[str, Any] = {
-    **{"markersize": 7, "markerfacecolor": PAPER, "markeredgecolor": MUTED, "zorder": 4},
-    **{"marker": "o", "markeredgewidth": 1.2},
+    "markersize": 7,
+    "markerfacecolor": PAPER,
+    "markeredgecolor": MUTED,
+    "zorder": 4,
+    "marker": "o",
+    "markeredgewidth": 1.2,
 }
 
 
@@ -50,12 +54,16 @@ def plot_paths(
     for radius in radii or (scenario.radius,):
         for side in (radius, -radius):
             centre = x - side * math.sin(heading), y + side * math.cos(heading)
-            look: dict[str, Any] = {"edgecolor": RULE, "linewidth": 0.8, "zorder": 1}
-            ax.add_patch(Circle(centre, radius, fill=False, **look))
+            draw_turning_circle(ax, centre, radius)
     plot_start_and_target(ax, scenario.start, scenario.stops[-1][:2])
     ax.set_aspect("equal", adjustable="datalim")
     ax.margins(0.07)
     ax.legend(loc="lower left", bbox_to_anchor=(0, 1.0), borderaxespad=0.2)
+
+
+def draw_turning_circle(ax: Axes, centre: tuple[float, float], radius: float) -> None:
+    """Draw a faint circle behind the paths."""
+    ax.add_patch(Circle(centre, radius, fill=False, edgecolor=RULE, linewidth=0.8, zorder=1))
 
 
 def plot_start_and_target(
@@ -86,19 +94,21 @@ def figures_section(results: Results) -> Section | None:
     pictures = []
     shortest: dict[Problem, tuple[str, Path]] = {}  # at each radius of the fifth problem
     for label, problem in PROBLEMS.items():
-        of_label = [(word, path) for (at, word), path in paths_of_words.items() if at == label]
-        paths = sorted(of_label, key=lambda each: each[1].length)
+        of_label = [(word, path) for (name, word), path in paths_of_words.items() if name == label]
+        paths = sorted(of_label, key=lambda named_path: named_path[1].length)
         if problem.position == "problem 5" and paths:
             shortest[problem] = paths[0]
         elif paths:
             ranked = zip(("optimal", "feasible"), paths, strict=False)
-            named = {labelled(rank, *each): each[1] for rank, each in ranked}
-            what = "Optimal (solid) and feasible (dashed) path"
-            pictures.append(_picture(problem, named, what))
+            named = {labelled(rank, word, path): path for rank, (word, path) in ranked}
+            content = "Optimal (solid) and feasible (dashed) path"
+            pictures.append(_picture(problem, named, content))
     if shortest:
-        named = {labelled(f"R = {at.radius}", *each): each[1] for at, each in shortest.items()}
-        what = "Optimal paths for three turning radii"
-        pictures.append(_picture(min(shortest), named, what, [at.radius for at in shortest]))
+        named = {
+            labelled(f"R = {at.radius}", word, path): path for at, (word, path) in shortest.items()
+        }
+        content = "Optimal paths for three turning radii"
+        pictures.append(_picture(min(shortest), named, content, [at.radius for at in shortest]))
     text = (
         "The paper's Figures 6.1–6.5, drawn from the controls in the rows. The arrow is the start "
         "heading, the ring is the target; the turning circles are faint. The paper's text gives "
@@ -109,7 +119,7 @@ def figures_section(results: Results) -> Section | None:
 
 
 def _picture(
-    problem: Problem, paths: Mapping[str, Path], what: str, radii: Iterable[float] = ()
+    problem: Problem, paths: Mapping[str, Path], content: str, radii: Iterable[float] = ()
 ) -> Picture:
     """The paper's figure of one of its test problems."""
     number = problem.position.removeprefix("problem ")
@@ -119,7 +129,7 @@ def _picture(
         paths,
         problem.scenario,
         radii,
-        caption=f"Figure 6.{number}. {what} with their lengths; length units.",
+        caption=f"Figure 6.{number}. {content} with their lengths; length units.",
         alt=f"Paths of test {problem.position}",
         height=2.9,
     )

@@ -127,7 +127,7 @@ def _solver_picture(number: int, targets: pd.DataFrame, name: str) -> Picture:
     right = success(targets)
     kinds = targets["verdict"].mask(right, "right")
     numbers = kinds.value_counts()
-    marks = [replace(m, label=f"{m.key} ({numbers.get(m.key, 0)})") for m in ANSWERS]
+    marks = [replace(mark, label=f"{mark.key} ({numbers.get(mark.key, 0)})") for mark in ANSWERS]
     placed = pd.DataFrame({"x": targets["target_x"], "y": targets["target_y"], "kind": kinds})
     figure = kind_maps({"": placed}, marks, _draw_circles, high=3.5, narrow=True)
     caption = f"{name}: {count(right.sum())} of {count(len(targets))} targets right; lengths in R."
@@ -142,7 +142,9 @@ def plane_section(results: Results) -> Section | None:
     """
     rows = results.rows[results.rows["branch"] == "best"]
     exact = exact_answers(rows)
-    pictures = _exact_pictures(exact) if len(exact) else []
+    pictures: list[Picture] = []
+    if len(exact):
+        pictures += _exact_pictures(exact)
     coarse = rows[rows["solver"] != EXACT]
     names = Palette.of_page(results).names(coarse["solver"])
     for number, solver in enumerate(solver_order(list(names)), start=1):

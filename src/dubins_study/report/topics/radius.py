@@ -5,7 +5,6 @@ The module also has the time that a warm start saves.
 
 from __future__ import annotations
 
-import math
 from itertools import pairwise
 
 import numpy as np
@@ -21,7 +20,6 @@ from dubins_study.report.elements.looks import LINES, Palette, in_page_order
 from dubins_study.report.elements.style import (
     INK,
     MUTED,
-    Style,
     mark_limit,
     plain_log_axis,
 )
@@ -33,7 +31,7 @@ from dubins_study.study.closed_form.shortest import shortest
 from dubins_study.study.scenario_frame import scenario_of
 
 _FEWEST_RADII = 4  # fewer do not show a curve
-_ASKED = ["solver", "experiment", "scenario_id", "branch"]
+_QUESTION = ["solver", "experiment", "scenario_id", "branch"]
 _PLACE = ["x", "y", "heading", "target_x", "target_y"]
 VISIBLE = 0.01  # relative; an answer that is less too long lies on the line of the shortest
 _VISIBLE = f"{100 * VISIBLE:g} %"
@@ -69,9 +67,11 @@ def shortest_lengths(rows: pd.DataFrame) -> pd.DataFrame:
 
     Radii rise; the closed form's `length` if there is one.
     """
-    known = rows[rows["reference_word"].notna()].sort_values("radius").drop_duplicates("radius")
+    judged = rows[rows["reference_word"].notna()].sort_values("radius").drop_duplicates("radius")
     exact = rows[rows["solver"] == EXACT].drop_duplicates("radius").set_index("radius")["length"]
-    return known.assign(length=known["radius"].map(exact).fillna(known["reference"]).astype(float))
+    return judged.assign(
+        length=judged["radius"].map(exact).fillna(judged["reference"]).astype(float)
+    )
 
 
 def visibly_wrong(rows: pd.DataFrame) -> pd.DataFrame:
@@ -130,21 +130,27 @@ def _draw_sweep(ax: Axes, rows: pd.DataFrame, circle: float, palette: Palette) -
 
     The shortest length over radius, its words and R*, and every answer visibly wrong.
     """
-    known = shortest_lengths(rows)
+    references = shortest_lengths(rows)
     wrong = visibly_wrong(rows)
-    _draw_shortest(ax, known)
-    _draw_words(ax, _place(rows), known["radius"])
+    _draw_shortest(ax, references)
+    _draw_words(ax, _place(rows), references["radius"])
     _draw_wrong(ax, wrong, palette)
-    first = known["radius"].min()
-    last = known["radius"].max()
-    if first < circle < last:
+    smallest = references["radius"].min()
+    largest = references["radius"].max()
+    if smallest < circle < largest:
         mark_limit(ax, circle)
-        style: Style = {"ha": "center", "fontsize": 8, "color": MUTED}
-        above = ax.get_xaxis_transform()
-        ax.text(circle, 1.02, f"R* = {digits(4)(circle)}", transform=above, **style)
-    ax.set(xscale="log", xlim=(first, last), xlabel="turning radius R", ylabel="length")
-    foot = known["length"].min()
-    top = max(known["length"].max(), wrong["length"].max(skipna=True))
+        ax.text(
+            circle,
+            1.02,
+            f"R* = {digits(4)(circle)}",
+            transform=ax.get_xaxis_transform(),
+            ha="center",
+            fontsize=8,
+            color=MUTED,
+        )
+    ax.set(xscale="log", xlim=(smallest, largest), xlabel="turning radius R", ylabel="length")
+    foot = references["length"].min()
+    top = max(references["length"].max(), wrong["length"].max(skipna=True))
     if foot > 0:
         # shows the jump and lengths that grow with the radius
         ax.set_yscale("log")
@@ -153,17 +159,17 @@ def _draw_sweep(ax: Axes, rows: pd.DataFrame, circle: float, palette: Palette) -
     plain_log_axis(ax.xaxis)
 
 
-def _draw_shortest(ax: Axes, known: pd.DataFrame) -> None:
+def _draw_shortest(ax: Axes, references: pd.DataFrame) -> None:
     """Draw the shortest length, with its words above it.
 
     The line breaks where the word changes, at the geometric mean of two radii, since the length
     may jump there.
     """
-    radii = known["radius"].to_numpy()
-    lengths = known["length"].to_numpy()
+    radii = references["radius"].to_numpy()
+    lengths = references["length"].to_numpy()
     edges = np.sqrt(np.append(radii[0], radii) * np.append(radii, radii[-1]))
     above = ax.get_xaxis_transform()
-    words = known["reference_word"].to_numpy()
+    words = references["reference_word"].to_numpy()
     starts = [0, *np.flatnonzero(words[1:] != words[:-1]) + 1]
     for first, past in pairwise([*starts, len(words)]):
         word = words[first]
@@ -179,8 +185,11 @@ def _draw_words(ax: Axes, place: dict[str, float], radii: pd.Series[float]) -> N
     """Draw lengths of the paper's words where they exist."""
     dense = np.geomspace(radii.min(), radii.max(), 300)
     for word, line in _WORD_LINE.items():
-        paths = [shortest(scenario_of({**place, "radius": radius}), word) for radius in dense]
-        totals = [math.nan if path is None else path.total for path in paths]
+        totals = np.full(dense.shape, np.nan)
+        for number, radius in enumerate(dense):
+            path = shortest(scenario_of({**place, "radius": radius}), word)
+            if path is not None:
+                totals[number] = path.total
         ax.plot(dense, dense * totals, color=MUTED, linestyle=line, linewidth=0.9, zorder=2)
 
 
@@ -210,17 +219,17 @@ def warm_starts(rows: pd.DataFrame) -> pd.DataFrame:
     One row per solver that has both for the same questions. A ratio is the median over questions,
     NaN where iterations are not counted; a success is a share of all attempts.
     """
-    measured = rows.assign(success=success(rows).astype(float))
-    measured["iterations"] = measured["iterations"].astype(float)
+    attempts = rows.assign(success=success(rows).astype(float))
+    attempts["iterations"] = attempts["iterations"].astype(float)
     hows = {"wall_s": "median", "success": "mean", "iterations": "median"}
     cold, warm = (
-        measured[measured["initial_guess"] == guess].groupby(_ASKED).agg(hows)
+        attempts[attempts["initial_guess"] == guess].groupby(_QUESTION).agg(hows)
         for guess in ("cold", "warm")
     )
-    both = cold.join(warm.add_suffix("_warm"), how="inner")
-    both["ratio"] = both["wall_s_warm"] / both["wall_s"].where(both["wall_s"] > 0)
-    both["work"] = both["iterations_warm"] / both["iterations"].where(both["iterations"] > 0)
-    frame = both.groupby("solver").agg(
+    pairs = cold.join(warm.add_suffix("_warm"), how="inner")
+    pairs["ratio"] = pairs["wall_s_warm"] / pairs["wall_s"].where(pairs["wall_s"] > 0)
+    pairs["work"] = pairs["iterations_warm"] / pairs["iterations"].where(pairs["iterations"] > 0)
+    frame = pairs.groupby("solver").agg(
         questions=("wall_s", "size"),
         cold_s=("wall_s", "median"),
         warm_s=("wall_s_warm", "median"),

@@ -17,7 +17,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.patches import Circle, Patch
+from matplotlib.patches import Patch
 from matplotlib.ticker import NullLocator
 
 from dubins_study.report.data.attempts import ENOUGH_ASKED, EXACT, TRIAL, is_true, legs_of, own
@@ -30,7 +30,7 @@ from dubins_study.report.elements.content import (
     Topic,
     panels_picture,
 )
-from dubins_study.report.elements.formats import count, digits, sentences
+from dubins_study.report.elements.formats import count, digits, sentences, shortened
 from dubins_study.report.elements.identity import questions
 from dubins_study.report.elements.looks import Look, Palette, in_page_order, short_labels
 from dubins_study.report.elements.plots import HIGHEST, Mark, share_curves
@@ -52,7 +52,7 @@ from dubins_study.report.statistics.intervals import scenario_shares
 from dubins_study.report.statistics.methods import best_methods, methods_of, stratum_order
 from dubins_study.report.statistics.metrics import success, upper_quantile
 from dubins_study.report.topics.maps import draw_kinds
-from dubins_study.report.topics.paper_figures import plot_start_and_target
+from dubins_study.report.topics.paper_figures import draw_turning_circle, plot_start_and_target
 from dubins_study.report.topics.summary import solver_summary
 from dubins_study.study.arrays import BoolArray, FloatArray
 from dubins_study.study.check.verdict import visits_of
@@ -151,8 +151,8 @@ def data_profiles(rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
 def _profiles(rows: pd.DataFrame, results: Results, timed: set[str]) -> Picture:
     """Data profiles of the timed methods."""
     # a sample of easier routes would look better than the whole
-    asked = rows.groupby("solver", observed=True)["scenario_id"].nunique()
-    whole = asked.index[asked >= ENOUGH_ASKED * asked.max()]
+    routes_asked = rows.groupby("solver", observed=True)["scenario_id"].nunique()
+    whole = routes_asked.index[routes_asked >= ENOUGH_ASKED * routes_asked.max()]
     chosen = rows[rows["solver"].isin(timed.intersection(whole))]
     panels = data_profiles(chosen)
     palette = palette_of(results, short_labels(methods_of(results.rows)))
@@ -212,18 +212,18 @@ def second_opinion(rows: pd.DataFrame) -> str:
     A sentence on its bounds; empty where it has none. The file `gdip.csv` has the bounds, and how
     they were made.
     """
-    known = rows.dropna(subset=["reference_high"]).drop_duplicates("scenario_id")
+    proven = rows.dropna(subset=["reference_high"]).drop_duplicates("scenario_id")
     with (files(__package__) / "gdip.csv").open(encoding="utf-8") as file:
-        both = known.merge(pd.read_csv(file, comment="#"), on="scenario_id")
-    if both.empty:
+        bounded = proven.merge(pd.read_csv(file, comment="#"), on="scenario_id")
+    if bounded.empty:
         return ""
-    high = both["reference_high"] / both["radius"]
-    above = both["low"] > high * (1.0 + _GDIP_TOLERANCE)
-    below = ((high - both["low"]) / high).clip(lower=0.0)
+    high = bounded["reference_high"] / bounded["radius"]
+    above = bounded["low"] > high * (1.0 + _GDIP_TOLERANCE)
+    below = ((high - bounded["low"]) / high).clip(lower=0.0)
     return (
         "An independent program (gdip, Váňa and Faigl 2020) gives lower bounds of "
-        f"{count(len(both))} of these routes; {count(above.sum())} of them contradict the check. "
-        f"Their median is {digits(2)(below.median())} of a length below the shortest paths."
+        f"{count(len(bounded))} of these routes; {count(above.sum())} of them contradict the "
+        f"check. Their median is {digits(2)(below.median())} of a length below the shortest paths."
     )
 
 
@@ -247,8 +247,8 @@ def _picture(
     A map for each stratum, and below it the times of some methods.
     """
     if cells["solver"].nunique() > _LINES:
-        known = results.rows.groupby("solver", observed=True)["guesses"].first()
-        kinds = engines.assign(guesses=engines["solver"].map(known).fillna(""))
+        guess_of = results.rows.groupby("solver", observed=True)["guesses"].first()
+        kinds = engines.assign(guesses=engines["solver"].map(guess_of).fillna(""))
         shown = {*timed, *best_methods(kinds, ["formulation", "guesses"])["solver"]}
         cells = cells[cells["solver"].isin(shown)]
     return panels_picture(
@@ -303,16 +303,23 @@ def plot_sizes(
     """
     number = len(strata)
     solvers = list(dict.fromkeys(cells["solver"]))
-    heights = (0.14 * len(solvers), 1.1 if narrow else 1.45)
+    map_height = 0.14 * len(solvers)
     if narrow:
+        heights = (map_height, 1.1)
+        gaps_across = 3
+        lines_across = 2
         figure = new_figure(HALF, number * (sum(heights) + 0.7) + 1.2)
         panels = figure.subplots(2 * number, height_ratios=heights * number)
         pairs = panels.reshape(number, 2)
     else:
+        heights = (map_height, 1.45)
+        gaps_across = 5
+        lines_across = 3
         figure = new_figure(WIDE, min(HIGHEST, sum(heights) + 1.3))
         counts = cells.groupby("label")[size].nunique()
         panels = figure.subplots(
-            *(2, number),
+            2,
+            number,
             sharey="row",
             squeeze=False,
             height_ratios=heights,
@@ -338,10 +345,14 @@ def plot_sizes(
     marks = gaps.values()
     patches = [Patch(facecolor=mark.colour, edgecolor=RULE, label=mark.key) for mark in marks]
     style: Style = {"fontsize": 7, "columnspacing": 1.2}
-    key: Style = {"title": "median gap", "alignment": "left", "loc": "outside upper left"}
-    gaps_across = 3 if narrow else 5
-    lines_across = 2 if narrow else 3
-    figure.legend(handles=patches, ncols=gaps_across, **key, **style)
+    figure.legend(
+        handles=patches,
+        title="median gap",
+        alignment="left",
+        loc="outside upper left",
+        ncols=gaps_across,
+        **style,
+    )
     figure.legend(handles=[*lines.values()], loc="outside lower left", ncols=lines_across, **style)
     return figure
 
@@ -350,8 +361,8 @@ def plot_success(
     ax: Axes,
     cells: pd.DataFrame,
     solvers: list[str],
-    size: str = "legs",
-    gaps: Mapping[float, Mark] = GAPS,
+    size: str,
+    gaps: Mapping[float, Mark],
 ) -> None:
     """Draw a map of success.
 
@@ -370,8 +381,15 @@ def plot_success(
     whole = pd.MultiIndex.from_product((range(len(sizes)), range(len(solvers))), names=["x", "y"])
     draw_kinds(ax, placed.set_index(["x", "y"]).reindex(whole).reset_index(), marks)
     for cell in placed.to_dict("records"):
-        style: Style = {"ha": "center", "va": "center", "fontsize": 5}
-        ax.text(cell["x"], cell["y"], _cell_text(cell), color=cell["colour"], **style)
+        ax.text(
+            cell["x"],
+            cell["y"],
+            _cell_text(cell),
+            ha="center",
+            va="center",
+            fontsize=5,
+            color=cell["colour"],
+        )
     ax.hlines(np.arange(len(solvers)) - 0.5, *ax.get_xlim(), color=MAP_PAPER, linewidth=0.6)
     ax.vlines(np.arange(len(sizes)) - 0.5, *ax.get_ylim(), color=MAP_PAPER, linewidth=0.6)
     ax.set_ylim(len(solvers) - 0.5, -0.5)
@@ -384,7 +402,9 @@ def _cell_text(cell: dict[Hashable, Any]) -> str:
 
     A question mark follows if some are open.
     """
-    left_open = "?" if cell["left_open"] else ""
+    left_open = ""
+    if cell["left_open"]:
+        left_open = "?"
     if not cell["trials"]:
         return left_open
     if cell["trials"] >= _PER_CENT:
@@ -403,8 +423,15 @@ def plot_times(
     lines = {}
     for solver, rows in cells.groupby("solver", sort=False):
         look = looks[str(solver)]
-        style: Style = look.lines | {"marker": look.marker, "markersize": 3, "linewidth": 1.0}
-        [line] = ax.plot(rows[size], rows["wall_s"], label=names[str(solver)], **style)
+        [line] = ax.plot(
+            rows[size],
+            rows["wall_s"],
+            marker=look.marker,
+            markersize=3,
+            linewidth=1.0,
+            label=names[str(solver)],
+            **look.lines,
+        )
         lines[str(solver)] = line
     size_axes(ax, cells[size], cells["wall_s"])
     return lines
@@ -419,12 +446,15 @@ def size_axes(ax: Axes, sizes: pd.Series[int], times: pd.Series[float]) -> None:
     if (times > 0).any():
         ax.set_yscale("log")
         log_axis(ax.yaxis, "s")
-    named: list[int] = []
-    for size in sorted(sizes.unique()):
-        if not named or size >= _APART * named[-1]:
-            named.append(size)
-    ax.set_xticks(sorted(sizes.unique()), minor=False)
-    ax.xaxis.set_major_formatter(lambda size, _: f"{size:g}" if size in named else "")
+    ticks = sorted(sizes.unique())
+    names: dict[float, str] = {}
+    last = 0
+    for size in ticks:
+        if size >= _APART * last:
+            names[size] = f"{size:g}"
+            last = size
+    ax.set_xticks(ticks, minor=False)
+    ax.xaxis.set_major_formatter(lambda size, _: names.get(size, ""))
     ax.xaxis.set_minor_locator(NullLocator())
     ax.tick_params(labelsize=7)
 
@@ -476,11 +506,6 @@ def _runs(points: FloatArray, inside: BoolArray) -> FloatArray:
     return np.insert(ends, 2 * np.flatnonzero(np.diff(parts) > 1) + 2, np.nan, axis=0)
 
 
-def _label(name: str) -> str:
-    """A name, or the beginning of a long one."""
-    return name if len(name) <= _NAME_CHARS else f"{name[: _NAME_CHARS - 1]}…"
-
-
 def _texts(scenario: Scenario, order: Sequence[int], names: Sequence[str]) -> list[str]:
     """Texts beside the start and the stops.
 
@@ -491,9 +516,11 @@ def _texts(scenario: Scenario, order: Sequence[int], names: Sequence[str]) -> li
     step = 10 ** max(math.ceil(math.log10(last / _MOST_NUMBERS)), 0)
     texts = ["start"]
     for number, stop in enumerate(order, 1):
-        text = str(number) if stop < len(scenario.via) and number % step == 0 else ""
+        text = ""
+        if stop < len(scenario.via) and number % step == 0:
+            text = str(number)
         if last <= _MOST_NAMED and stop < len(names):
-            text = f"{text} {_label(names[stop])}".strip()
+            text = f"{text} {shortened(names[stop], _NAME_CHARS)}".strip()
         texts.append(text)
     return texts
 
@@ -509,21 +536,19 @@ def _write(
     (pt); `along` are places on the path and the arrows, shape (m, 2).
     """
     last = len(points) - 1
-    dots = points if last <= _MOST_NAMED else points[[0, -1]]
+    dots = points
+    if last > _MOST_NAMED:
+        dots = points[[0, -1]]
     places = unit * dots  # of dots and texts, pt
     sizes = np.zeros(places.shape)  # half of the widths and heights of texts
     margin = _MARGIN * np.asarray(ax.dataLim.size)
     edge = unit * (ax.dataLim.get_points() + np.array((-margin, margin)))
     for number, text in enumerate(texts):
         point = points[number]
-        outside = np.zeros(2)
-        if number:
-            outside += _unit(point - points[number - 1])
-        if number < last:
-            outside -= _unit(points[number + 1] - point)
-        if np.hypot(*outside) < 1e-3:  # beside a straight
-            outside = _unit(points[number + 1] - points[number - 1])[::-1] * (-1, 1)
-        gap = 4.0 if 0 < number < last else 6.0  # beside the ring of the target
+        outside = _outside(points, number)
+        gap = 6.0  # beside the ring of the target
+        if 0 < number < last:
+            gap = 4.0
         for label in filter(None, (text, text.partition(" ")[0])):
             size = np.array((_DIGIT * len(label) / 2, 4.5))
             lifts = _AROUND * gap + np.sign(_AROUND.round(9)) * size
@@ -535,13 +560,35 @@ def _write(
                 beyond = ((at - size < edge[0]) | (at + size > edge[1])).any(axis=1)
                 away = np.linalg.norm(unit * points - at[:, None], axis=2)
                 another = away.min(axis=1) < away[:, number] - 1e-6  # is nearer than its own
-                cost = 4 * crossed + 3 * beyond + 2 * another - _AROUND @ _unit(outside)
+                cost = 4 * crossed + 3 * beyond + 2 * another - _AROUND @ outside
                 best = int(np.where(free, cost, np.inf).argmin())
                 places = np.vstack((places, at[best]))
                 sizes = np.vstack((sizes, size))
-                where: Style = {"textcoords": "offset points", "ha": "center", "va": "center"}
-                ax.annotate(label, point, tuple(lifts[best]), fontsize=7.5, zorder=6, **where)
+                ax.annotate(
+                    label,
+                    point,
+                    tuple(lifts[best]),
+                    textcoords="offset points",
+                    ha="center",
+                    va="center",
+                    fontsize=7.5,
+                    zorder=6,
+                )
                 break
+
+
+def _outside(points: FloatArray, number: int) -> FloatArray:
+    """The direction out of the path's bend."""
+    point = points[number]
+    outside = np.zeros(2)
+    if number:
+        outside += _unit(point - points[number - 1])
+    if number < len(points) - 1:
+        outside -= _unit(points[number + 1] - point)
+    if np.hypot(*outside) < 1e-3:  # beside a straight
+        along = _unit(points[number + 1] - points[number - 1])
+        outside = along[::-1] * (-1, 1)
+    return _unit(outside)
 
 
 def _legend_of_names(order: Sequence[int], names: Sequence[str]) -> str:
@@ -550,7 +597,7 @@ def _legend_of_names(order: Sequence[int], names: Sequence[str]) -> str:
     They stand in lines below the plot, where names beside points would overlap.
     """
     named = [
-        f"{number} {_label(names[stop])}"
+        f"{number} {shortened(names[stop], _NAME_CHARS)}"
         for number, stop in enumerate(order, 1)
         if stop < len(names) and names[stop]
     ]
@@ -576,48 +623,34 @@ def plot_route(
     path: Path,
     scenario: Scenario,
     name: str,
-    names: Sequence[str] = (),
-    known: str = "",
+    names: Sequence[str],
+    status: str,
 ) -> None:
     """Draw a path by its turns.
 
     The via points and both poses of the scenario are drawn, too. `names` are those of the stops, in
-    the order of the scenario; `known` ends the title.
+    the order of the scenario; `status` ends the title.
 
     Lines and points are thinner where points lie close, and of many points some have numbers.
     Faint circles are those that the path drives on, for few points; arrows are headings, that at
     the target only if it is given. The legend has the length and the kinds of pieces.
     """
-    poses, curvatures = outline(path)
-    bend = np.abs(path.curvatures)
-    straight = RIPPLE * float(bend.max(initial=0.0))
     if scenario.legs <= _MOST_CIRCLES:
-        turns = bend * path.lengths
-        driven = (bend * scenario.radius > 1 - RIPPLE) & (turns > _SMALL_TURN)
-        begins = path.poses[:-1][driven]
-        for (x, y, heading), k in zip(begins, path.curvatures[driven], strict=True):
-            centre = (x - math.sin(heading) / k, y + math.cos(heading) / k)
-            faint: dict[str, Any] = {"fill": False, "edgecolor": RULE, "linewidth": 0.8}
-            ax.add_patch(Circle(centre, 1 / abs(k), zorder=1, **faint))
-    ax.update_datalim(np.vstack((poses[:, :2], scenario.points)))
+        _draw_driven_circles(ax, path, scenario.radius)
+    ax.update_datalim(np.vstack((outline(path)[0][:, :2], scenario.points)))
     unit = _points_per_unit(ax)
     legs = np.hypot(*np.diff(scenario.points, axis=0).T)
     room = min(unit * float(np.median(legs)) / _WIDE_LEG, 1.0)
-    thin = max(room, _THINNEST_LINE)
     dot = 3.5 * max(room, _SMALLEST_DOT)
-    kinds: dict[str, Any] = {}
-    sides = np.where(np.abs(curvatures) <= straight, 0, np.sign(curvatures)).astype(int)
-    for letter, (kind, look) in _TURNS.items():
-        runs = _runs(poses[:, :2], sides == "RSL".index(letter) - 1)
-        if len(runs):
-            thinned = look | {"linewidth": thin * look["linewidth"]}
-            kinds[letter] = ax.plot(*runs.T, zorder=3, label=kind, **thinned)[0]
+    lines = _draw_pieces(ax, path, max(room, _THINNEST_LINE))
     via = scenario.points[1 : len(scenario.via) + 1]
     ax.plot(*via.T, "o", color=INK, markersize=dot, markeredgewidth=0, zorder=5)
     order = _as_passed(path, scenario)
     points = np.vstack((scenario.points[:1], scenario.points[1:][order]))
     target = (float(points[-1, 0]), float(points[-1, 1]))
-    final = None if scenario.target is None else scenario.stops[-1].heading
+    final = None
+    if scenario.target is not None:
+        final = scenario.stops[-1].heading
     drawn_places = [path.sample(_CROSSINGS)[:, :2]]
     reach = np.linspace(0, 1, 50)[:, None] * max(ax.dataLim.size) / 9  # of both arrows
     for place, heading in ((path.start[:2], path.start.heading), (target, final)):
@@ -625,20 +658,48 @@ def plot_route(
             drawn_places.append(place + reach * (math.cos(heading), math.sin(heading)))
     _write(ax, points, _texts(scenario, order, names), unit, np.concatenate(drawn_places))
     plot_start_and_target(ax, path.start, target, final)
-    if lines := _legend_of_names(order, names):
-        ax.set_xlabel(f"x\n\n{lines}")
+    if names_below := _legend_of_names(order, names):
+        ax.set_xlabel(f"x\n\n{names_below}")
     ax.set_aspect("equal", adjustable="datalim")
     ax.margins(_MARGIN)
-    title = f"{name}: length {digits(6)(path.length)}{known}"
     ax.legend(
-        handles=[kinds[letter] for letter in _TURNS if letter in kinds],
+        handles=lines,
         loc="lower left",
         bbox_to_anchor=(0, 1.0),
         borderaxespad=0.2,
         ncols=len(_TURNS),
-        title=title,
+        title=f"{name}: length {digits(6)(path.length)}{status}",
         alignment="left",
     )
+
+
+def _draw_driven_circles(ax: Axes, path: Path, radius: float) -> None:
+    """Draw the turning circles that a path drives on."""
+    bend = np.abs(path.curvatures)
+    driven = (bend * radius > 1 - RIPPLE) & (bend * path.lengths > _SMALL_TURN)
+    begins = path.poses[:-1][driven]
+    for (x, y, heading), curvature in zip(begins, path.curvatures[driven], strict=True):
+        centre = (x - math.sin(heading) / curvature, y + math.cos(heading) / curvature)
+        draw_turning_circle(ax, centre, 1 / abs(curvature))
+
+
+def _draw_pieces(ax: Axes, path: Path, thin: float) -> list[Line2D]:
+    """Draw left turns, straights and right turns.
+
+    Their lines have `thin` times their full width. Returns one line for each kind that the path
+    has.
+    """
+    poses, curvatures = outline(path)
+    straight = RIPPLE * float(np.abs(path.curvatures).max(initial=0.0))
+    sides = np.where(np.abs(curvatures) <= straight, 0, np.sign(curvatures)).astype(int)
+    lines = []
+    for letter, (kind, look) in _TURNS.items():
+        runs = _runs(poses[:, :2], sides == "RSL".index(letter) - 1)
+        if len(runs):
+            thinned = look | {"linewidth": thin * look["linewidth"]}
+            [line] = ax.plot(*runs.T, zorder=3, label=kind, **thinned)
+            lines.append(line)
+    return lines
 
 
 TOPIC = Topic("routes", routes_section, "routes", (General.BENCHMARKED,), place=Place.FRONT)

@@ -26,7 +26,6 @@ from dubins_study.report.elements.content import General, Section, Topic, Widget
 from dubins_study.report.elements.formats import count
 from dubins_study.report.elements.looks import Palette, names_of
 from dubins_study.report.elements.style import VARIABLES
-from dubins_study.study.arrays import FloatArray
 from dubins_study.study.rows.schema import MEASURED_TIMES, METHOD, ROW, names
 from dubins_study.study.scenario import DEFAULTS, NUMBERS
 
@@ -86,12 +85,12 @@ def attempts_section(results: Results) -> Section | None:
 
 
 def _text(rows: pd.DataFrame, results: Results) -> str:
-    shown = len(rows)
-    every = len(results.rows)
-    if shown == every:
-        return f"All {count(every)} attempts are shown."
+    embedded = len(rows)
+    total = len(results.rows)
+    if embedded == total:
+        return f"All {count(total)} attempts are shown."
     return (
-        f"{count(shown)} of the {count(every)} attempts are shown: the {WORST} worst of each "
+        f"{count(embedded)} of the {count(total)} attempts are shown: the {WORST} worst of each "
         "solver, and a random sample for every solver, region and verdict. The sample has the same "
         "scenarios for all solvers where possible."
     )
@@ -228,13 +227,12 @@ def packed(rows: pd.DataFrame, more: Mapping[str, Any]) -> bytes:
     columns |= {name: rows[name].eq(True).astype(int).tolist() for name in FLAGS}
     columns |= {name: rows[name].tolist() for name in ("repeat", "worst")}
     columns["scenario"], scenarios = _scenarios(rows)
-    controls = zip(rows["curvatures"], rows["lengths"], rows["radius"], strict=True)
     content: dict[str, Any] = {
         "count": len(rows),
         "texts": texts,
         "columns": columns,
         "scenarios": scenarios,
-        "paths": [arcs_of(*each) for each in controls],
+        "paths": [*map(arcs_of, rows["curvatures"], rows["lengths"], rows["radius"])],
         **more,
     }
     text = json.dumps(content, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
@@ -249,7 +247,9 @@ def _rounded(value: Any, digits: int = _DIGITS) -> float | str | None:
     if pd.isna(value):
         return None
     number = float(f"{value:.{digits}g}")
-    return number if math.isfinite(number) else str(number).replace("inf", "Infinity")
+    if math.isfinite(number):
+        return number
+    return str(number).replace("inf", "Infinity")
 
 
 def _scenarios(rows: pd.DataFrame) -> tuple[list[int], dict[str, list[Any]]]:
@@ -258,22 +258,27 @@ def _scenarios(rows: pd.DataFrame) -> tuple[list[int], dict[str, list[Any]]]:
     The table of scenarios is by columns.
     """
     key = ["scenario_id", *NUMBERS]
-    some = [name for name in ROUTE if (rows[name].notna() & rows[name].ne(DEFAULTS[name])).any()]
-    selected = [*_OF_SCENARIO, *some]
+    optional = [
+        name for name in ROUTE if (rows[name].notna() & rows[name].ne(DEFAULTS[name])).any()
+    ]
+    selected = [*_OF_SCENARIO, *optional]
     groups = rows.groupby(key, sort=False, dropna=False)
     # of attempts that are not judged the region is null: the first that is known
     first = groups[[name for name in selected if name not in key]].first()
     table = first.reset_index().astype(object)
     table = table.where(table.notna(), None)
-    columns = {
-        name: [_null_for_nan(v) if isinstance(v, np.ndarray) else v for v in table[name]]
-        for name in selected
-    }
+    columns = {name: [*map(_plain, table[name])] for name in selected}
     return groups.ngroup().tolist(), columns
 
 
-def _null_for_nan(values: FloatArray) -> list[float | None]:
-    return [None if math.isnan(value) else value for value in values.tolist()]
+def _plain(value: Any) -> Any:
+    """A value that JSON can hold.
+
+    An array becomes a list, with None for NaN.
+    """
+    if isinstance(value, np.ndarray):
+        return [_rounded(number, 17) for number in value]
+    return value
 
 
 def arcs_of(
@@ -285,8 +290,10 @@ def arcs_of(
     """
     if curvatures is None or not len(curvatures):
         return None
-    arcs = zip(curvatures, lengths, strict=True)
-    return [[_rounded(k * radius, _ARC_DIGITS), _rounded(s / radius, _ARC_DIGITS)] for k, s in arcs]
+    return [
+        [_rounded(curvature * radius, _ARC_DIGITS), _rounded(length / radius, _ARC_DIGITS)]
+        for curvature, length in zip(curvatures, lengths, strict=True)
+    ]
 
 
 TOPIC = Topic("single attempts", attempts_section, General.EVERY)

@@ -38,7 +38,10 @@ def gap_shares(attempts: pd.DataFrame) -> pd.DataFrame:
     """
     ends = _GAPS * (1 + 1e-12)  # but for the rounding of the gaps
     groups = gaps(attempts).groupby(attempts["solver"])
-    shares = {str(s): np.searchsorted(np.sort(g), ends, "right") / len(g) for s, g in groups}
+    shares = {}
+    for solver, solver_gaps in groups:
+        within = np.searchsorted(np.sort(solver_gaps), ends, "right")
+        shares[str(solver)] = within / len(solver_gaps)
     return pd.DataFrame(shares, pd.Index(_GAPS, name="gap"))
 
 
@@ -76,20 +79,27 @@ def _profile_picture(
         groups = best.groupby("formulation", sort=False)["solver"]
         panels = {str(title): shares[list(solvers)] for title, solvers in groups}
         names = dict(zip(best["solver"], best["short"], strict=True))
-        rest = f"{DRAWN_TEXT} Grey: behind the first of a panel."
+        curves = f"{DRAWN_TEXT} Grey: behind the first of a panel."
     else:
         named = foremost(shares[: 1.01 * tolerance].iloc[-1])
         panels = {"": shares}
         names = {solver: palette.label(solver) for solver in named}
         grey = len(shares.columns) - MOST_ENGINES
-        rest = ""
+        curves = ""
         if grey > 0:
-            rest = f"Grey, without names: {some(grey, 'solver')}, optimal least often."
-    data = panels, names, palette, "gap to the shortest length (relative)", "share of all attempts"
-    name = f"gap-profile-{slug(experiment)}"
-    alt = f"Share of attempts against gap, {experiment}"
-    caption = sentences(caption, "Dotted: the largest gap of an optimal answer.", rest)
-    return panels_picture(name, caption, share_curves, alt, *data, limit=tolerance)
+            curves = f"Grey, without names: {some(grey, 'solver')}, optimal least often."
+    return panels_picture(
+        f"gap-profile-{slug(experiment)}",
+        sentences(caption, "Dotted: the largest gap of an optimal answer.", curves),
+        share_curves,
+        f"Share of attempts against gap, {experiment}",
+        panels,
+        names,
+        palette,
+        "gap to the shortest length (relative)",
+        "share of all attempts",
+        limit=tolerance,
+    )
 
 
 TOPIC = Topic("success and gaps", success_section, General.POOLED)

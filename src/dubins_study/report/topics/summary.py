@@ -39,27 +39,28 @@ def solver_summary(attempts: pd.DataFrame) -> pd.DataFrame:
     """
     solver = attempts["solver"]
     verdict = attempts["verdict"]
-    asked = attempts["answerable"]
+    answerable = attempts["answerable"]
     returned = attempts["outcome"].eq("returned")
-    flags = {name: verdict.eq(name) for name in VERDICTS}
-    flags |= {"attempts": asked, "not_returned": ~returned}
-    flags |= {
+    flags = {
+        **{name: verdict.eq(name) for name in VERDICTS},
+        "attempts": answerable,
+        "not_returned": ~returned,
         "false_claims": false_claims(attempts),
         "wrong_basins": is_true(attempts["wrong_basin"]),
     }
-    counts = {name: asked & flag for name, flag in flags.items()} | {
-        UNDECIDED: verdict.eq(UNDECIDED)
-    }
+    counts = {name: answerable & flag for name, flag in flags.items()}
+    counts[UNDECIDED] = verdict.eq(UNDECIDED)
     frame = pd.DataFrame(counts).groupby(solver).sum()
-    frame["questions"] = questions(attempts, asked)
-    frame["right"] = questions(attempts, asked & verdict.isin(SUCCESSES))
-    times = attempts["wall_s"].where(asked).groupby(solver).median()
-    frame["wall_s"] = times.where((asked & returned).groupby(solver).any())
-    frame = frame[frame["attempts"] > 0] if asked.any() else frame
+    frame["questions"] = questions(attempts, answerable)
+    frame["right"] = questions(attempts, answerable & verdict.isin(SUCCESSES))
+    times = attempts["wall_s"].where(answerable).groupby(solver).median()
+    frame["wall_s"] = times.where((answerable & returned).groupby(solver).any())
+    if answerable.any():
+        frame = frame[frame["attempts"] > 0]
     frame = with_share(frame, "right", frame["right"], frame["questions"])
-    method_names = methods(attempts)
-    method_names = methods_of(method_names[method_names["solver"].isin(frame.index)])
-    return method_names.join(frame).reset_index()
+    stated = methods(attempts)
+    named = methods_of(stated[stated["solver"].isin(frame.index)])
+    return named.join(frame).reset_index()
 
 
 def share_keys(*names: str) -> tuple[str, ...]:

@@ -40,10 +40,10 @@ def solver_times(attempts: pd.DataFrame) -> pd.DataFrame:
     Columns: solver, timed (number of attempts), and of build_s, solve_s and wall_s the median (s),
     lower quartile (`_q1`) and upper quartile (`_q3`).
     """
-    asked = attempts[attempts["answerable"] & attempts["initial_guess"].eq("cold")]
-    groups = asked.groupby("solver")
-    measured = groups[["build_s", "solve_s", "wall_s"]]
-    quartiles = [measured.quantile(q).add_suffix(end) for q, end in _QUARTILES]
+    cold = attempts[attempts["answerable"] & attempts["initial_guess"].eq("cold")]
+    groups = cold.groupby("solver")
+    times = groups[["build_s", "solve_s", "wall_s"]]
+    quartiles = [times.quantile(q).add_suffix(end) for q, end in _QUARTILES]
     frame = pd.concat([groups["wall_s"].count().rename("timed"), *quartiles], axis="columns")
     return frame[frame["timed"] > 0].reset_index()
 
@@ -63,10 +63,8 @@ def time_section(results: Results) -> Section | None:
         _quartiles(drawn_methods(timed), Palette.of_page(results)),
         table,
     )
-    jobs, threads = (
-        ", ".join(map(str, sorted(results.rows[kind].dropna().astype(int).unique())))
-        for kind in ("jobs", "threads")
-    )
+    threads = _distinct(results.rows["threads"])
+    jobs = _distinct(results.rows["jobs"])
     text = (
         "Questions that have a path. Times are measured in the process that solves, after a "
         f"warm-up; threads: {threads}; jobs side by side: {jobs}. The check is not timed. "
@@ -80,8 +78,13 @@ def _quartiles(table: pd.DataFrame, palette: Palette) -> Picture:
     """The whole of an attempt, formulation by formulation."""
     caption = f"Time of one cold attempt: median (mark) and quartiles (bar). {DRAWN_TEXT}"
     alt = "Median times and quartiles, one line per method"
-    data = table, "wall_s", palette, "time of one attempt"
-    return panels_picture("times", caption, quartile_lines, alt, *data)
+    label = "time of one attempt"
+    return panels_picture("times", caption, quartile_lines, alt, table, "wall_s", palette, label)
+
+
+def _distinct(numbers: pd.Series) -> str:
+    """Distinct whole numbers, in order."""
+    return ", ".join(map(str, sorted(numbers.dropna().astype(int).unique())))
 
 
 TOPIC = Topic("time", time_section, General.COMPARED)

@@ -31,8 +31,8 @@ def pairs(base: Results, new: Results) -> pd.DataFrame:
     (median of the repeats that arrive) and time (median, s).
     """
     old = _questions(base).drop(columns=_SHARED).add_suffix("_base")
-    measured = {name: f"{name}_new" for name in ("right", "false", "gap", "time")}
-    joined = old.join(_questions(new).rename(columns=measured), how="inner")
+    new_names = {name: f"{name}_new" for name in ("right", "false", "gap", "time")}
+    joined = old.join(_questions(new).rename(columns=new_names), how="inner")
     return joined.reset_index().sort_values(_PAIR, ignore_index=True)
 
 
@@ -42,10 +42,10 @@ def unpaired(base: Results, new: Results, pairs: pd.DataFrame) -> pd.DataFrame:
     Columns solver, only_base, only_new; solvers without such questions are left out.
     """
     paired = pairs.groupby("solver").size()
-    counts = {
-        f"only_{side}": _questions(results).groupby("solver").size().sub(paired, fill_value=0)
-        for side, results in zip(SIDES, (base, new), strict=True)
-    }
+    counts = {}
+    for side, results in zip(SIDES, (base, new), strict=True):
+        questions = _questions(results).groupby("solver").size()
+        counts[f"only_{side}"] = questions.sub(paired, fill_value=0)
     frame = pd.DataFrame(counts).fillna(0).astype(int)
     return frame[frame.sum(axis=1) > 0].rename_axis("solver").reset_index()
 
@@ -58,8 +58,10 @@ def _questions(results: Results) -> pd.DataFrame:
         false=false.fillna(False).astype(bool),
         time=rows["wall_s"],
     )
-    how = dict.fromkeys(_SHARED, "first") | {"right": "mean", "false": "any"}
-    return attempts.groupby(_PAIR, observed=True).agg(how | {"gap": "median", "time": "median"})
+    aggregation = dict.fromkeys(_SHARED, "first") | {"right": "mean", "false": "any"}
+    return attempts.groupby(_PAIR, observed=True).agg(
+        aggregation | {"gap": "median", "time": "median"}
+    )
 
 
 class MachineSpeed(NamedTuple):
@@ -129,21 +131,25 @@ def solver_changes(base: Results, new: Results, pairs: pd.DataFrame) -> pd.DataF
         time_base, time_new: geometric means of their times, s; time_ratio with _low and _high: new
         / base, with its bootstrap interval over scenarios. NaN where there is nothing to compare.
     """
-    before, after = (results.folders[0].manifest.code_digests for results in (base, new))
+    before = base.folders[0].manifest.code_digests
+    after = new.folders[0].manifest.code_digests
     lines: list[dict[str, object]] = []
     for solver in solver_order(pairs["solver"].unique().tolist()):
         rows = pairs[pairs["solver"] == solver]
-        asked = rows[rows["answerable"]]
-        test = sign_test(1 - asked["right_new"], 1 - asked["right_base"])
+        answerable = rows[rows["answerable"]]
+        test = sign_test(1 - answerable["right_new"], 1 - answerable["right_base"])
+        p = test.p
+        if not test.pairs:
+            p = np.nan
         line = {
             "solver": solver,
             "same_code": after.get(solver) == before.get(solver, ""),
-            "questions": len(asked),
-            "right_base": asked["right_base"].mean(),
-            "right_new": asked["right_new"].mean(),
-            "right_p": test.p if test.pairs else np.nan,
-            "lost": int(lost(asked).sum()),
-            "gained": int((asked["right_base"].eq(0) & asked["right_new"].eq(1)).sum()),
+            "questions": len(answerable),
+            "right_base": answerable["right_base"].mean(),
+            "right_new": answerable["right_new"].mean(),
+            "right_p": p,
+            "lost": int(lost(answerable).sum()),
+            "gained": int((answerable["right_base"].eq(0) & answerable["right_new"].eq(1)).sum()),
         }
         lines.append(line | _times(rows))
     frame = pd.DataFrame(lines)
@@ -184,8 +190,8 @@ def _times(pairs: pd.DataFrame) -> dict[str, object]:
 
     The questions are right in both runs.
     """
-    both = pairs[_right_in_both(pairs) & pairs["time_base"].gt(0) & pairs["time_new"].gt(0)]
-    times = both.set_index("scenario_id")[["time_base", "time_new"]]
+    comparable = pairs[_right_in_both(pairs) & pairs["time_base"].gt(0) & pairs["time_new"].gt(0)]
+    times = comparable.set_index("scenario_id")[["time_base", "time_new"]]
     means = np.exp(np.log(times).mean())
     ratio = bootstrap(times, geometric_means(0.0), "time_base").loc["time_new"]
     interval = ratio[["estimate", "low", "high"]]

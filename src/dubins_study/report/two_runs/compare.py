@@ -23,6 +23,7 @@ from dubins_study.report.elements.identity import (
 from dubins_study.report.page.render import Head, write_page
 from dubins_study.report.two_runs.changes import (
     GAP_FLOOR,
+    SIDES,
     WORSE_GAP,
     MachineSpeed,
     machine_speed,
@@ -76,10 +77,12 @@ def compare(
             f"{base} and {new} share no question of one solver; expected two runs of one "
             "experiment, or of experiments that overlap"
         )
-    measured = solver_changes(before, after, paired)
-    speed = machine_speed(measured)
-    changes = without_machine(measured, speed)
-    ratio = math.inf if speed is None else slower
+    as_measured = solver_changes(before, after, paired)
+    speed = machine_speed(as_measured)
+    changes = without_machine(as_measured, speed)
+    ratio = slower
+    if speed is None:
+        ratio = math.inf
     worse = regressions(paired, changes, unanswered(after), ratio)
     changes.insert(1, "verdict", verdicts(changes, worse, ratio))
     comparison = Comparison(
@@ -95,8 +98,8 @@ def compare(
     folders = (*before.folders, *after.folders)
     base_text = _described(FilePath(base), folders[0])
     new_text = _described(FilePath(new), folders[1])
-    asked = f"What is better or worse in the new run, {new_text}, than in the base, {base_text}?"
-    head = Head("Two runs compared", asked)
+    question = f"What is better or worse in the new run, {new_text}, than in the base, {base_text}?"
+    head = Head("Two runs compared", question)
 
     def sections() -> list[Section]:
         return [_regressions(comparison), _solvers(comparison), _else(comparison)]
@@ -121,25 +124,26 @@ _REGRESSIONS = (
 
 def _regressions(comparison: Comparison) -> Section:
     frame = comparison.regressions
-    kinds = frame["kind"].value_counts(sort=False)
-    what = ", ".join(f"{number} {kind}" for kind, number in kinds.items())
     text = (
         "Nothing became worse: no right answer was lost, no false claim is new, no answer is less "
         "accurate, and no solver is right less often, or slower, by the tests."
     )
     lead = "No line here: no question was answered better by the base."
-    if len(frame):
-        text = f"{some(len(frame), 'regression')}: {what}."
-        lead = (
-            "Each line is a question that the base answered better, with the command that asks it."
-        )
     caption = (
         "No longer right (or denied): in every repeat of the base, in none of the new run. Less "
         f"accurate: a gap {WORSE_GAP:g} times as large, and above {GAP_FLOOR:g}. Right less often: "
         "by the exact sign test, with Holm's correction. Slower: the time ratio's interval lies "
         f"above {comparison.slower:g}. Not answered: cells without a row."
     )
-    blocks = (Table("regressions", caption, frame, _REGRESSIONS),) if len(frame) else ()
+    blocks: tuple[Table, ...] = ()
+    if len(frame):
+        numbers = frame["kind"].value_counts(sort=False)
+        kinds = ", ".join(f"{number} {kind}" for kind, number in numbers.items())
+        text = f"{some(len(frame), 'regression')}: {kinds}."
+        lead = (
+            "Each line is a question that the base answered better, with the command that asks it."
+        )
+        blocks = (Table("regressions", caption, frame, _REGRESSIONS),)
     return Section("regressions", "What became worse", text, blocks, lead)
 
 
@@ -182,12 +186,13 @@ def unpaired_text(comparison: Comparison) -> str:
     frame = comparison.unpaired
     if frame.empty:
         return "Both were asked the same questions."
-    lines = [
-        f"only the {side} run was asked {some(number, 'question')} of "
-        f"{some(int((frame[key] > 0).sum()), 'solver')}"
-        for key, side in (("only_base", "base"), ("only_new", "new"))
-        if (number := int(frame[key].sum()))
-    ]
+    lines = []
+    for side in SIDES:
+        numbers = frame[f"only_{side}"]
+        if numbers.any():
+            questions = some(int(numbers.sum()), "question")
+            solvers = some(int((numbers > 0).sum()), "solver")
+            lines.append(f"only the {side} run was asked {questions} of {solvers}")
     return f"Not compared: {'; '.join(lines)}."
 
 
@@ -212,9 +217,10 @@ def _else(comparison: Comparison) -> Section:
     frame = comparison.differences
     shown = columns(kind="text", what="what", base="base", new="new")
     caption = "From the manifests of the runs."
-    blocks = (Table("differences", caption, frame, shown),) if len(frame) else ()
+    blocks: tuple[Table, ...] = ()
     text = "The manifests have the same machine, limits and packages."
     if len(frame):
+        blocks = (Table("differences", caption, frame, shown),)
         text = f"{some(len(frame), 'difference')} in the manifests."
     changed = int((~comparison.solvers["same_code"]).sum())
     text = sentences(text, f"{some(changed, 'solver')} changed in code, settings or packages.")

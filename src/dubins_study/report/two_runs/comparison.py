@@ -66,8 +66,8 @@ def unanswered(results: Results) -> pd.DataFrame:
     Columns solver, cells (asked), rows (there); the run is not finished, or lost rows.
     """
     there = pd.concat([results.rows["solver"], results.untaken["solver"]]).value_counts()
-    asked = {spec: entry.cells for spec, entry in results.folders[0].manifest.solvers.items()}
-    frame = pd.DataFrame({"cells": pd.Series(asked, dtype=int), "rows": there})
+    cells = {spec: entry.cells for spec, entry in results.folders[0].manifest.solvers.items()}
+    frame = pd.DataFrame({"cells": pd.Series(cells, dtype=int), "rows": there})
     frame = frame.fillna(0).astype(int).rename_axis("solver").reset_index()
     return frame[frame["rows"] < frame["cells"]]
 
@@ -133,8 +133,10 @@ def verdicts(changes: pd.DataFrame, regressions: pd.DataFrame, slower: float) ->
             texts.append(f"worse: {', '.join(worse)}")
         elif applying:
             texts.append(f"better: {', '.join(applying)}")
+        elif row["same_code"]:
+            texts.append("same code")
         else:
-            texts.append("same code" if row["same_code"] else "no change")
+            texts.append("no change")
     return texts
 
 
@@ -143,11 +145,15 @@ def _right(value: float) -> str:
 
 
 def _false(value: bool) -> str:
-    return "a false claim" if value else "none"
+    if value:
+        return "a false claim"
+    return "none"
 
 
 def _gap(value: float) -> str:
-    return f"gap {digits(2)(value)}" if value == value else "no path that arrives"
+    if value != value:
+        return "no path that arrives"
+    return f"gap {digits(2)(value)}"
 
 
 _Record = Mapping[Hashable, Any]
@@ -164,10 +170,12 @@ def _questions(
         place = f"target {row['target_x']:.6g}, {row['target_y']:.6g}"
         if is_missing(row["target_x"]):
             place = "no target"
+        if row["label"]:
+            place = f"{row['label']}: {place}"
         yield {
             "kind": kind,
             "solver": row["solver"],
-            "scenario": f"{row['label']}: {place}" if row["label"] else place,
+            "scenario": place,
             "branch": row["branch"],
             "base": show(row[f"{column}_base"]),
             "new": show(row[f"{column}_new"]),
