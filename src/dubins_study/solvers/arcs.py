@@ -59,7 +59,9 @@ def most_turn(course: Course, n: int, equal: bool) -> float:
     """
     if equal:
         return MOST_TURN_EACH
-    arcs = 4 if course.target is None else 3
+    arcs = 3
+    if course.target is None:
+        arcs = 4
     return arcs * math.pi / n
 
 
@@ -92,8 +94,8 @@ class Elements(NamedTuple):
 
         The rate of an element of no length is 0.
         """
-        some = self.length > 0
-        return np.divide(self.turn, self.length, out=np.zeros_like(self.turn), where=some)
+        long = self.length > 0
+        return np.divide(self.turn, self.length, out=np.zeros_like(self.turn), where=long)
 
     @property
     def total(self) -> float:
@@ -114,9 +116,9 @@ def cut(path: Path, n: int, shares: FloatArray | None) -> Elements:
     every arc is cut into equal parts that turn by similar angles. A path of more than n arcs
     becomes equally long elements.
     """
-    some = path.lengths > 0
-    curvature = path.curvatures[some]
-    length = path.lengths[some]
+    driven = path.lengths > 0
+    curvature = path.curvatures[driven]
+    length = path.lengths[driven]
     if shares is None and not 0 < length.size <= n:
         shares = np.full(n, 1 / n)
     if shares is not None:
@@ -149,7 +151,7 @@ def step_shares(n: int, mesh: str, course: Course) -> FloatArray:
     for leg, distance in enumerate(np.hypot(*course.steps.T).tolist()):
         share = _TURNING / (_TURNING + distance)
         if mesh == "graded" and share < turning / n:
-            parts = share / turning, (1 - share) / straight
+            parts = (share / turning, (1 - share) / straight)
             shares[leg] = np.repeat(parts, (turning, straight))
     return shares
 
@@ -208,7 +210,9 @@ def turn_left(elements: Elements, course: Course) -> float:
 
     It is within half a turn, and 0 if the final heading is free.
     """
-    return 0.0 if course.last is None else float(wrapped(course.last - elements.turn.sum()))
+    if course.last is None:
+        return 0.0
+    return float(wrapped(course.last - elements.turn.sum()))
 
 
 def missed(elements: Elements, course: Course, rolled: Rollout | None = None) -> FloatArray:
@@ -218,7 +222,9 @@ def missed(elements: Elements, course: Course, rolled: Rollout | None = None) ->
     given, one more: the rest of the turn (rad).
     """
     gaps = np.cumsum((rolled or rollout(elements)).gaps(elements, course), axis=0).ravel()
-    return gaps if course.last is None else np.append(gaps, turn_left(elements, course))
+    if course.last is None:
+        return gaps
+    return np.append(gaps, turn_left(elements, course))
 
 
 def miss(elements: Elements, course: Course) -> float:

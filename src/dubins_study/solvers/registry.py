@@ -48,7 +48,9 @@ def ours(spec: str) -> bool:
 
     The spec may be invalid.
     """
-    name = name_of(spec) if isinstance(spec, str) else ""
+    name = ""
+    if isinstance(spec, str):
+        name = name_of(spec)
     return _our_name(name)
 
 
@@ -199,7 +201,9 @@ def canonical(spec: str, profile: str = "default") -> str:
         for key, value in values.items()
         if value != defaults[key] or key in kind.always_named
     ]
-    return f"{name}[{','.join(changed)}]" if changed else name
+    if not changed:
+        return name
+    return f"{name}[{','.join(changed)}]"
 
 
 def load(spec: str, profile: str = "default") -> Solver:

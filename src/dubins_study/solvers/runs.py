@@ -141,9 +141,8 @@ def best_run_and_claim(
     missed = [run._replace(miss=miss(run)) for run in runs]
     # some engines return no numbers when they fail
     best = min(missed, key=lambda run: run.miss if math.isfinite(run.miss) else math.inf)
-    claims = {run.claim for run in runs}
-    claim = claims.pop() if len(claims) == 1 else Claim.FAILED
-    if claim is Claim.FEASIBLE and not best.miss <= ARRIVES:
+    [claim, *others] = {run.claim for run in runs}
+    if others or (claim is Claim.FEASIBLE and not best.miss <= ARRIVES):
         claim = Claim.FAILED
     return best, claim
 
@@ -193,7 +192,9 @@ def total(counts: Iterable[int | None]) -> int | None:
     An engine that does not count gives None.
     """
     numbers = list(counts)
-    return None if None in numbers else sum(count for count in numbers if count is not None)
+    if None in numbers:
+        return None
+    return sum(count for count in numbers if count is not None)
 
 
 def summed(efforts: Iterable[Effort]) -> tuple[Effort, ...]:

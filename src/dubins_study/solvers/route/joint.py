@@ -123,11 +123,13 @@ class RouteNlp(EngineSolver):
 
     @property
     def method(self) -> Method:
-        words = self.model == "words"
-        posed = "one NLP a word" if words else "joint NLP, LRSLR a leg"
+        posed = "joint NLP, LRSLR a leg"
+        knows = ""
+        if self.model == "words":
+            posed = "one NLP a word"
+            knows = "formula"  # the words come from the closed form, by a dynamic program
         method = self.library.method(posed, self.initial_guess, self.options, self.tol)
-        # the words come from the closed form, by a dynamic program
-        return method._replace(knows="formula") if words else method
+        return method._replace(knows=knows)
 
     def build(self, question: Question) -> PosedRoute:
         route = route_of(question.scenario)
@@ -202,9 +204,12 @@ def _answer(model: PosedRoute, runs: list[Run[FloatArray]]) -> Solution:
     if claim is not Claim.LOCALLY_INFEASIBLE and np.isfinite(best.point).all():
         arcs = _driven(_arcs(best.point, places))
         path = path_of(scenario, _TURNS * n, arcs.ravel().tolist())
-    claimed_length = best.length * scenario.radius if claim is Claim.LOCAL else None
-    # those of the last leg's end
-    multipliers = None if duals is None else tuple(duals[3 * n - 2 : 3 * n])
+    claimed_length = None
+    if claim is Claim.LOCAL:
+        claimed_length = best.length * scenario.radius
+    multipliers = None
+    if duals is not None:
+        multipliers = tuple(duals[3 * n - 2 : 3 * n])  # those of the last leg's end
     return Solution(
         claim,
         path=path,
@@ -222,15 +227,16 @@ def program(route: Route, places: Places = ()) -> Program:
     one for a final heading. Without `places` all arcs are unknown.
     """
     places = places or (_ALL,) * route.legs
-    ends = [route.first] if route.last is None else [route.first, route.last]
     upper = np.where(_ARCS, TWO_PI, math.inf)
     highest = np.tile([*upper, math.inf], route.legs)
     lowest = np.tile([*np.zeros(_ARCS.size), -math.inf], route.legs)
     known = any(leg != _ALL for leg in places)
-    turns = [_TURNS[place] for leg in places for place in leg] if known else []
+    turns = []
+    if known:
+        turns = [_TURNS[place] for leg in places for place in leg]
     return Program(
         expressions(tuple(map(len, places)), route.last is not None, known),
-        np.concatenate((route.steps.ravel(), ends, turns)),
+        np.concatenate((route.steps.ravel(), route.given_headings, turns)),
         _unknowns_of(lowest, places),
         _unknowns_of(highest, places),
         magnitude=float(np.hypot(*route.steps.T).max()),
@@ -252,14 +258,17 @@ def expressions(arcs: tuple[int, ...], final_heading: bool, known: bool) -> Expr
     n = sum(arcs)
     x = casadi.SX.sym("x", n + legs)
     p = casadi.SX.sym("p", 2 * legs + 1 + final_heading + n * known)
-    turns: Any = casadi.vertsplit(p[p.numel() - n :]) if known else _TURNS * legs
+    turns: Any = _TURNS * legs
+    if known:
+        turns = casadi.vertsplit(p[p.numel() - n :])
     unknown = iter(casadi.vertsplit(x))
     turned = iter(turns)
     heading = p[2 * legs]
     length = casadi.SX(0)
     equations = []
     for leg, count in enumerate(arcs):
-        along, across = 0, 0
+        along = 0
+        across = 0
         after = heading
         for _ in range(count):
             arc = next(unknown)

@@ -10,13 +10,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from dubins_study.solvers.course import coordinate_rounding, path_of
+from dubins_study.solvers.course import coordinate_rounding, free_target, path_of
 from dubins_study.solvers.legs import WORD_TURNS, legs
 from dubins_study.solvers.protocol import Question, Solution
 from dubins_study.solvers.runs import at_start
 from dubins_study.study.angle import TWO_PI
 from dubins_study.study.arrays import BoolArray, FloatArray
-from dubins_study.study.body_coordinates import local
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Pose, Scenario
 from dubins_study.study.words import Order
@@ -61,7 +60,9 @@ class Places:
 
         Shape (legs, 2). The order begins with 0.
         """
-        passed = [*order, 0] if self.closed else order
+        passed = order
+        if self.closed:
+            passed = [*order, 0]
         steps: FloatArray = np.diff(self.points[passed], axis=0)
         return steps
 
@@ -77,7 +78,9 @@ class Places:
 
 def places_of(scenario: Scenario) -> Places:
     """The places of a scenario."""
-    stops = scenario.stops[:-1] if scenario.closed else scenario.stops
+    stops = scenario.stops
+    if scenario.closed:
+        stops = stops[:-1]
     points = [(scenario.x, scenario.y), *((stop.x, stop.y) for stop in stops)]
     return Places(
         points=(np.array(points) - points[0]) / scenario.radius,
@@ -94,9 +97,7 @@ def empty_path(question: Question) -> Solution | None:
     It is the answer if one leg's target is its start.
     """
     scenario = question.scenario
-    if not scenario.one_free_leg:
-        return None
-    return at_start(scenario, local(scenario), coordinate_rounding(scenario))
+    return at_start(scenario, free_target(scenario), coordinate_rounding(scenario))
 
 
 def tour_path(scenario: Scenario, places: Places, order: list[int], headings: FloatArray) -> Path:
