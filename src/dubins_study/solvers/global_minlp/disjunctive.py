@@ -151,7 +151,9 @@ class Disjunctive(EngineSolver):
     @property
     def method(self) -> Method:
         # the bound is lowered by up to twice the tolerance
-        proves = None if self.runs else max(self.gap, 2 * self.feastol)
+        proves = None
+        if self.runs is None:
+            proves = max(self.gap, 2 * self.feastol)
         return Method("disjunction", self.library.label, "none", self.feastol, proves)
 
     def build(self, question: Question) -> PosedDisjunction | Solution:
@@ -198,7 +200,9 @@ class Disjunctive(EngineSolver):
         began = perf_counter()
         proven: ProvenResult = self.library.load()(settings)(model.translated.program, seconds)
         seconds = perf_counter() - began
-        point = None if proven.x is None else _point(model, proven.x)
+        point = None
+        if proven.x is not None:
+            point = _point(model, proven.x)
         result = proven.counted(iterations=proven.nodes)
         return Run("all words", seconds, result, point, bound=proven.bound)
 
@@ -207,9 +211,11 @@ class Disjunctive(EngineSolver):
         # Node bounds come from linear programs solved to the tolerance, not exactly.
         bound = max(0.0, run.bound - feastol * (1 + abs(run.bound)))
         # only `_claim` makes the claim that a path is optimal
-        engine_claim = Claim.FEASIBLE if run.claim is Claim.OPTIMAL else run.claim
+        claim = run.claim
+        if claim is Claim.OPTIMAL:
+            claim = Claim.FEASIBLE
         solution = Solution(
-            engine_claim,
+            claim,
             lower_bound=bound * scenario.radius,
             iterations=run.result.iterations,
             native_status=run.result.status,
@@ -241,15 +247,17 @@ class Disjunctive(EngineSolver):
         The engine's own claim holds for its own point only.
         """
         if not met.meets:
-            close = met.miss <= _SLACK * feastol
             message = f"meets the points only to {met.miss:.1e} radii"
-            return (Claim.FEASIBLE, message) if close else (Claim.FAILED, message)
+            if met.miss <= _SLACK * feastol:
+                return Claim.FEASIBLE, message
+            return Claim.FAILED, message
         gap = (met.length - bound) / max(met.length, 1.0)
         message = f"within {gap:.1e} of the bound"
         if gap <= self.gap:
             return Claim.OPTIMAL, message
-        claim = Claim.LIMIT if stopped else Claim.FEASIBLE
-        return claim, message
+        if stopped:
+            return Claim.LIMIT, message
+        return Claim.FEASIBLE, message
 
 
 def _unproven(solution: Solution) -> Solution:
@@ -283,7 +291,9 @@ def _point(model: PosedDisjunction, x: FloatArray) -> Point:
     for leg, word in enumerate(words):
         alpha = value(pyomo.z[leg, "alpha"])
         gamma = value(pyomo.z[leg, "gamma"])
-        beta = value(pyomo.z[leg, "beta"]) if (leg, "beta") in pyomo.z else 0.0
+        beta = 0.0
+        if (leg, "beta") in pyomo.z:
+            beta = value(pyomo.z[leg, "beta"])
         lengths.append(np.maximum(pieces(word, alpha, gamma, value(pyomo.w[leg]), beta), 0.0))
     steps = []
     for leg, each in enumerate(pyomo.steps):
