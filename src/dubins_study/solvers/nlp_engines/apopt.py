@@ -56,7 +56,9 @@ def apopt(options: OptionValues) -> NlpCall:
         if claim is Claim.LOCAL and np.isnan(x).any():
             claim = Claim.FAILED
             status = "no results.json"
-        message = log[log.find("@error") :].strip() if "@error" in log else status
+        message = status
+        if "@error" in log:
+            message = log[log.find("@error") :].strip()
         iterations = _iterations(log)
         return EngineResult(x, claim, iterations=iterations, status=status, message=message)
 
@@ -107,7 +109,9 @@ def _model(program: Program, guess: FloatArray) -> str:
 
 
 def _bound(sign: str, value: float) -> str:
-    return f", {sign} {value!r}" if math.isfinite(value) else ""
+    if math.isfinite(value):
+        return f", {sign} {value!r}"
+    return ""
 
 
 def _log(folder: FilePath, seconds: float) -> str | None:
@@ -160,4 +164,6 @@ def _iterations(log: str) -> int | None:
     """The last iteration number in the log's table."""
     table = log.partition("Convergence")[2].splitlines()
     rows = [words for words in map(str.split, table) if len(words) == 3 and words[0].isdigit()]
-    return int(rows[-1][0]) if rows else None
+    if not rows:
+        return None
+    return int(rows[-1][0])

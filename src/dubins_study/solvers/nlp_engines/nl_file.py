@@ -5,7 +5,6 @@ Any engine with an AMPL interface reads this format.
 
 from __future__ import annotations
 
-import math
 from io import StringIO
 from typing import Any, NamedTuple
 
@@ -52,10 +51,8 @@ def pyomo_model(program: MixedProgram, guess: FloatArray | None = None) -> Any:
     m.x = environ.Var(range(program.lower.size))
     for place, (low, high, binary) in enumerate(program.variables):
         variable = m.x[place]
-        lower = low if math.isfinite(low) else None
-        upper = high if math.isfinite(high) else None
-        variable.setlb(lower)
-        variable.setub(upper)
+        variable.setlb(low)  # Pyomo takes an infinite bound for none
+        variable.setub(high)
         if binary:
             variable.domain = environ.Binary
         if guess is not None:

@@ -82,18 +82,22 @@ def asked(model: PyomoProgram, engine: NlpCall, native: bool) -> Ask:
         guess: FloatArray, data: FloatArray, lower: FloatArray, upper: FloatArray, seconds: float
     ) -> EngineResult:
         begin = guess[order]
-        low, high = lower[order], upper[order]
+        low = lower[order]
+        high = upper[order]
         if not native:
             begin = np.clip(begin, low, high)
             slacks = np.asarray(sides(begin, data)).ravel()
             begin = np.append(begin, np.clip(slacks, lowest[sided], highest[sided]))
-            low, high = np.append(low, lowest[sided]), np.append(high, highest[sided])
+            low = np.append(low, lowest[sided])
+            high = np.append(high, highest[sided])
         magnitude = 1.0 + float(np.abs(data).sum())
         program = Program(expressions, data, low, high, magnitude=magnitude, bounds=bounds)
         result = engine(program, begin, seconds)
         point = np.empty(n)
         point[order] = result.x[:n]
-        duals = None if result.duals is None else result.duals[rows]
+        duals = result.duals
+        if duals is not None:
+            duals = duals[rows]
         return result._replace(x=point, duals=duals)
 
     return ask

@@ -87,7 +87,9 @@ def _least_sum(
     ended = np.flatnonzero(np.isfinite(ends))
     options = {"time_limit": _SECONDS}
     solved = linprog(cost, rows[ended], ends[ended], bounds=bounds, options=options)
-    return float(solved.fun) if solved.status == 0 else np.nan
+    if solved.status != 0:
+        return np.nan
+    return float(solved.fun)
 
 
 def _least_length(slopes: csr_array, off: FloatArray, box: tuple[FloatArray, FloatArray]) -> float:
