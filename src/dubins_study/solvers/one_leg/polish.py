@@ -60,7 +60,9 @@ def meet_target(
     first = None
     for name in (word, *(other for other in words if other != word)):
         case = case_of(name, target)
-        turns = z[[1, 0, 2]] if case.subproblem.mirrored else z
+        turns = z
+        if case.subproblem.mirrored:
+            turns = z[[1, 0, 2]]
         point, miss = polish(case, turns)
         polished = Polished(point, miss, miss <= rounding)
         if polished.meets and abs(point.sum() - z.sum()) <= _NEAR * (1 + z.sum()):

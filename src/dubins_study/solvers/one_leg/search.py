@@ -68,13 +68,18 @@ def _chosen(posed: PosedLeg, runs: list[Run[FloatArray]]) -> Solution:
     duals = best.result.duals
     multipliers = None
     if duals is not None:
-        sides = (1, -1) if subproblem.mirrored else (1, 1)
+        sides = (1, 1)
+        if subproblem.mirrored:
+            sides = (1, -1)
         multipliers = in_world(scenario, np.multiply(sides, duals[:2]))
     # a point that its engine calls infeasible is no path, and some engines return no numbers when
     # they fail
-    pathless = claim in DENIALS or bool(np.isnan(best.point).all())
-    path = None if pathless else as_path(scenario, subproblem, best.point)
-    claimed_length = best.length * scenario.radius if claim is Claim.LOCAL else None
+    path = None
+    if claim not in DENIALS and not np.isnan(best.point).all():
+        path = as_path(scenario, subproblem, best.point)
+    claimed_length = None
+    if claim is Claim.LOCAL:
+        claimed_length = best.length * scenario.radius
     return Solution(
         claim,
         path=path,
