@@ -97,7 +97,9 @@ def transcribed(elements: Elements, result: EngineResult) -> Transcribed:
 
     The program's last two equations are those of the end point.
     """
-    duals = None if result.duals is None else result.duals[-2:]
+    duals = result.duals
+    if duals is not None:
+        duals = duals[-2:]
     return Transcribed(elements, result._replace(duals=duals))
 
 
@@ -186,7 +188,9 @@ class Transcription(EngineSolver):
         course = model.course
         elements, native = model.template.solve(guess, model.rates, until)
         # a path that is optimal for a transcription is not proven for the problem itself
-        claim = Claim.LOCAL if native.claim is Claim.OPTIMAL else native.claim
+        claim = native.claim
+        if claim is Claim.OPTIMAL:
+            claim = Claim.LOCAL
         missed = math.inf
         off = math.inf
         rollouts = 0
@@ -264,7 +268,9 @@ def _answer(model: PosedCourse, runs: list[Run[Elements]], in_time: bool) -> Sol
     def rank(run: Run[Elements]) -> tuple[bool, bool, float]:
         return run.length > most, run.claim is not Claim.LOCAL, run.length
 
-    best = min(arrived, key=rank) if arrived else min(runs, key=lambda run: run.miss)
+    best = min(runs, key=lambda run: run.miss)
+    if arrived:
+        best = min(arrived, key=rank)
     claim = best.claim
     message = best.result.message
     if not in_time:
@@ -273,20 +279,23 @@ def _answer(model: PosedCourse, runs: list[Run[Elements]], in_time: bool) -> Sol
         # the engine gave up, or wrongly called it infeasible, but the corrected path arrives
         claim = Claim.FEASIBLE
     elif claim is not Claim.LOCAL:
-        none = {run.claim for run in runs} == {Claim.LOCALLY_INFEASIBLE}
-        claim = Claim.LOCALLY_INFEASIBLE if none else Claim.FAILED
+        claim = Claim.FAILED
+        if {run.claim for run in runs} == {Claim.LOCALLY_INFEASIBLE}:
+            claim = Claim.LOCALLY_INFEASIBLE
     path = None
+    claimed_length = None
     if math.isfinite(best.miss) and claim is not Claim.LOCALLY_INFEASIBLE:
         rate = np.clip(best.point.rate, rates.lower, rates.upper)
         path = Path(scenario.start, rate / scenario.radius, best.point.length * scenario.radius)
+        claimed_length = best.length * scenario.radius
         if claim in (Claim.LOCAL, Claim.FEASIBLE) and course.target is not None:
             reason = one_sided_only(model.question, course.target, path)
             if reason is not None:
                 claim = Claim.FAILED
                 message = reason
-    duals = best.result.duals if claim is Claim.LOCAL else None
-    claimed_length = None if path is None else best.length * scenario.radius
-    multipliers = None if duals is None else in_world(scenario, duals)
+    multipliers = None
+    if claim is Claim.LOCAL and best.result.duals is not None:
+        multipliers = in_world(scenario, best.result.duals)
     return Solution(
         claim,
         path=path,
@@ -334,15 +343,16 @@ def trials(model: PosedCourse, solver: Transcription) -> Iterator[Iterator[Guess
         cold = [iter([_straight(course, n, shares)])]
     elif course.target is not None and name != "one":
         target = course.target
-        share = None if shares is None else shares[0]
-        most = 1 if name == "words" else None
+        most = None
+        if name == "words":
+            most = 1
 
         def shaped(word: str) -> Iterator[Guess]:
             case = case_of(word, target)
             for z in islice(bearing_guesses(case, prescribed=False), most):
                 lengths = np.array(z) * case.subproblem.mask
                 path = Path(HERE, case.subproblem.turns, lengths)
-                yield Guess(word, cut(path, n, share))
+                yield Guess(word, _cut_legs([path], n, shares))
 
         cold = [shaped(word) for word in words(question.branch, target, solver.presolve)]
     else:
@@ -350,7 +360,8 @@ def trials(model: PosedCourse, solver: Transcription) -> Iterator[Iterator[Guess
         legs = zip(signs, np.abs(course.turned()), strict=True)
         cold = [iter([Guess("one", _cut_legs([Path(HERE, *leg) for leg in legs], n, shares))])]
     if question.branch == "best":
-        yield from ([iter(warm)] if warm else [])
+        if warm:
+            yield iter(warm)
         yield from cold
         return
     (only,) = cold
@@ -373,8 +384,9 @@ def _straight(course: Course, n: int, shares: FloatArray | None) -> Guess:
     The vehicle turns on the spot at the points.
     """
     ends = np.cumsum(course.steps, axis=0)
-    share = np.full((course.legs, n), 1 / n) if shares is None else shares
-    length = (share * np.hypot(*course.steps.T)[:, None]).ravel()
+    if shares is None:
+        shares = np.full((course.legs, n), 1 / n)
+    length = (shares * np.hypot(*course.steps.T)[:, None]).ravel()
     begins = np.column_stack((ends - course.steps, np.unwrap(course.bearings())))
     return Guess("straight", Elements(np.zeros(length.size), length), begins)
 
@@ -407,7 +419,9 @@ def _given(question: Question, course: Course, n: int, shares: FloatArray | None
     places = np.linspace(0.0, path.length, _SAMPLES * course.legs + 1)
     points = np.cumsum(course.steps, axis=0)[:-1, None]
     away = np.hypot(*(path.at(places)[:, :2] - points).T)
-    ends = np.maximum.accumulate(places[away.argmin(axis=0)]) if len(points) else places[:0]
+    ends = places[:0]
+    if len(points):
+        ends = np.maximum.accumulate(places[away.argmin(axis=0)])
     bounds = np.concatenate(([0.0], ends, [path.length]))
     begins = np.cumsum(path.lengths) - path.lengths
     legs = [

@@ -159,7 +159,9 @@ class Sequence:
             status = "a dead end off the target"
         elements, _, used, _ = corrected(self.now, self.rates, self.course)
         self.rollouts += used
-        duals = self.duals[-1] if claim is Claim.LOCAL else None
+        duals = None
+        if claim is Claim.LOCAL:
+            duals = self.duals[-1]
         result = EngineResult(
             np.append(elements.turn, elements.length),
             claim,
@@ -197,7 +199,8 @@ class Sequence:
         G[:, :, :-1] += by_before[:, :, 1:]
         lengths = now.length / unit
         turns = now.turn / unit
-        upper, lower = self.rates.upper * lengths, self.rates.lower * lengths
+        upper = self.rates.upper * lengths
+        lower = self.rates.lower * lengths
         numbers = Numbers(
             G=G * (unit / scale),
             P=by_before[:, :, 0] * (unit / scale),
