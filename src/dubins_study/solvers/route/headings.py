@@ -122,7 +122,9 @@ class Headings(SearchSolver):
         if not begun:
             return nothing_found(runs)
         best = min(begun, key=lambda run: run.length)
-        claim = Claim.LOCAL if best.claim is Claim.LOCAL else Claim.FEASIBLE
+        claim = Claim.FEASIBLE
+        if best.claim is Claim.LOCAL:
+            claim = Claim.LOCAL
         return Solution(
             claim,
             path=_path(scenario, route, best.point),
@@ -143,7 +145,9 @@ class Headings(SearchSolver):
         solve = partial(self._solved, route, random, trace)
         run = timed("headings", solve, partial(route_length, route))
         is_random = self.initial_guess == "random" and route.unknowns > 0
-        count = self.count if is_random else 1
+        count = 1
+        if is_random:
+            count = self.count
         for _ in range(count):
             if perf_counter() > until:
                 return
@@ -258,7 +262,9 @@ def _add(trace: Trace, run: CountedFunction, low: FloatArray | float) -> None:
     Its evaluations come after all those before it.
     """
     if run.trace:
-        before = trace[-1][0] if trace else 0
+        before = 0
+        if trace:
+            before = trace[-1][0]
         trace += [(before + count, low + point) for count, point in run.trace]
         trace.append((before + run.evaluations, trace[-1][1]))
 
