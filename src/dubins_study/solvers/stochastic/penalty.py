@@ -137,7 +137,8 @@ class Penalty(SearchSolver):
                 if _miss(case, z) <= _SHORT:
                     break
                 weight *= _GROWTH
-                at = z if self.guided else None
+                if self.guided:
+                    at = z
 
     def _search(
         self,
@@ -185,13 +186,15 @@ def _answer(scenario: Scenario, runs: list[Run[FloatArray]]) -> Solution:
         return nothing_found(runs)
     allowed = max(ARRIVES, coordinate_rounding(scenario))
     arriving = [run for run in begun if run.miss <= allowed]
-    stopped = {run.claim for run in begun} == {Claim.LIMIT}
-    claim = Claim.LIMIT if stopped else Claim.FAILED
+    claim = Claim.FAILED
+    if {run.claim for run in begun} == {Claim.LIMIT}:
+        claim = Claim.LIMIT
     best = min(begun, key=lambda run: run.miss)
+    claimed_length = None
     if arriving:
         claim = Claim.FEASIBLE
         best = min(arriving, key=lambda run: run.length)
-    claimed_length = best.length * scenario.radius if arriving else None
+        claimed_length = best.length * scenario.radius
     return Solution(
         claim,
         path=as_path(scenario, SUBPROBLEMS[best.subproblem], best.point),
