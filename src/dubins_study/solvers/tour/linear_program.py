@@ -52,7 +52,9 @@ def program_of(graph: Graph, model: str) -> LinearProgram:
     i, j = graph.pairs
     leave = _ones(graph.tails, arcs, nodes)
     reach = _ones(graph.heads, arcs, nodes)
-    passed = 1 if graph.places.in_order else places  # the rows of the others follow from the first
+    passed = places
+    if graph.places.in_order:
+        passed = 1  # the rows of the others follow from the first
     once = np.concatenate((np.zeros(nodes), np.ones(passed)))
     degrees = LinearProgram(
         cost=graph.costs,

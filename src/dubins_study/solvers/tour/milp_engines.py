@@ -55,8 +55,9 @@ def _highs(program: LinearProgram, settings: Settings, seconds: float) -> Proven
     solver = highs_run(highs_rows(*program), options)
     info = solver.getInfo()
     status = solver.getModelStatus().name
-    feasible = info.primal_solution_status == highspy.SolutionStatus.kSolutionStatusFeasible
-    point = np.array(solver.getSolution().col_value) if feasible else None
+    point = None
+    if info.primal_solution_status == highspy.SolutionStatus.kSolutionStatusFeasible:
+        point = np.array(solver.getSolution().col_value)
     return ProvenResult(
         point,
         claim_of("highs", status),
@@ -157,7 +158,9 @@ def _glpk(program: LinearProgram, settings: Settings, seconds: float) -> ProvenR
     cost = float(glpk.glp_mip_obj_val(problem))
     glpk.glp_delete_prob(problem)
     claim = claim_of("glpk", status)
-    bound = cost * (1.0 - settings.gap) if claim is Claim.OPTIMAL else -math.inf
+    bound = -math.inf
+    if claim is Claim.OPTIMAL:
+        bound = cost * (1.0 - settings.gap)
     return ProvenResult(
         point,
         claim,

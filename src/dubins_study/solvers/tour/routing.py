@@ -107,10 +107,9 @@ def _visited(graph: Graph, search: str, seconds: float) -> TourRun:
     first = routing_enums_pb2.FirstSolutionStrategy
     parameters.first_solution_strategy = first.PATH_CHEAPEST_ARC
     goes_on = routing_enums_pb2.LocalSearchMetaheuristic
-    guided = search == GUIDED and graph.places.count > _FEW  # else it waits for its time to end
-    parameters.local_search_metaheuristic = (
-        goes_on.GUIDED_LOCAL_SEARCH if guided else goes_on.GREEDY_DESCENT
-    )
+    parameters.local_search_metaheuristic = goes_on.GREEDY_DESCENT
+    if search == GUIDED and graph.places.count > _FEW:  # with fewer it waits for its time to end
+        parameters.local_search_metaheuristic = goes_on.GUIDED_LOCAL_SEARCH
     seconds_left = max(seconds - (perf_counter() - began), 0.01)
     parameters.time_limit.FromMilliseconds(int(1000 * seconds_left))
     tour = routing.SolveWithParameters(parameters)
