@@ -110,7 +110,10 @@ class Method(NamedTuple):
         one_leg = question is None or question.scenario.one_free_leg
         if posed is not None and posed.several and guess == "bearing" and one_leg:
             guesses = SEVERAL
-        known += ["words"] * (guesses in ("words", SEVERAL)) + ["presolve"] * self.presolve
+        if guesses in ("words", SEVERAL):
+            known.append("words")
+        if self.presolve:
+            known.append("presolve")
         knows = " ".join(dict.fromkeys(known))
         return self._asdict() | {"guess": guess, "guesses": guesses, "knows": knows}
 
