@@ -41,7 +41,9 @@ def steps_in_any_order(course: Course, with_target: bool) -> Steps:
     points = np.vstack((np.zeros(2), np.cumsum(course.steps, axis=0)))
     last = course.legs
     via = list(range(1, last + 1 - with_target))
-    passed = [[0], *([via] * len(via)), *([[last]] * with_target)]
+    passed = [[0], *[via] * len(via)]  # the points that may be passed, in their turn
+    if with_target:
+        passed.append([last])
     steps: Steps = []
     for begins, ends in pairwise(passed):
         pairs = product(begins, ends)
@@ -338,7 +340,12 @@ def translated(model: Any) -> Translated:
         for variable in identify_variables(expression):
             variables.setdefault(id(variable), variable)
     place = {key: n for n, key in enumerate(variables)}
-    bounds = [(v.value, v.value) if v.fixed else _limits(v.lb, v.ub) for v in variables.values()]
+    bounds = []
+    for variable in variables.values():
+        if variable.fixed:
+            bounds.append((variable.value, variable.value))
+        else:
+            bounds.append(_limits(variable.lb, variable.ub))
 
     def write(x: Sequence[Any], interface: Any) -> Written:
         functions = Functions(interface)

@@ -145,8 +145,9 @@ class GlobalNlp(EngineSolver):
                 length = float(z.sum())
             seconds = perf_counter() - began
             result = proven.counted(iterations=proven.nodes)
-            name = case.subproblem.name
-            runs.append(Run(name, seconds, result, z, length=length, bound=proven.bound))
+            runs.append(
+                Run(case.subproblem.name, seconds, result, z, length=length, bound=proven.bound)
+            )
         return self._answer(model.leg, runs, covers)
 
     def _answer(self, leg: PosedLeg, runs: list[Run[FloatArray]], covers: bool) -> Solution:
