@@ -130,8 +130,12 @@ def translated(program: MixedProgram) -> tuple[Any, list[Any]]:
     model = pyscipopt.Model()
     x = []
     for lower, upper, binary in program.variables:
-        low = lower if math.isfinite(lower) else None
-        high = upper if math.isfinite(upper) else None
+        low = None
+        if math.isfinite(lower):
+            low = lower
+        high = None
+        if math.isfinite(upper):
+            high = upper
         kind = "C"
         if binary:
             kind = "B"
