@@ -59,8 +59,7 @@ def apopt(options: OptionValues) -> NlpCall:
         message = status
         if "@error" in log:
             message = log[log.find("@error") :].strip()
-        iterations = _iterations(log)
-        return EngineResult(x, claim, iterations=iterations, status=status, message=message)
+        return EngineResult(x, claim, iterations=_iterations(log), status=status, message=message)
 
     return run
 

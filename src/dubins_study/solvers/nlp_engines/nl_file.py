@@ -35,9 +35,9 @@ def nl_file(model: Any, title: str = "") -> NlFile:
         return NlFile(stream.getvalue(), info)
     names = [v.name.removesuffix(".binary_indicator_var") for v in info.variables]
     # The rest of the first line is the only place for a comment that every reader leaves alone.
-    first, _, rest = stream.getvalue().partition("\n")
+    first, _, body = stream.getvalue().partition("\n")
     heading = f"{first.partition('#')[0]}# dubins-study: {title}; variables {' '.join(names)}"
-    return NlFile(f"{heading}\n{rest}", info)
+    return NlFile(f"{heading}\n{body}", info)
 
 
 def pyomo_model(program: MixedProgram, guess: FloatArray | None = None) -> Any:

@@ -84,9 +84,9 @@ def _least_sum(
     bounds = np.concatenate([np.stack(box, axis=1), [(0.0, np.inf)] * m])
     cost = np.concatenate([np.zeros(n), np.ones(m)])
     ends = np.concatenate([above, below])
-    ended = np.flatnonzero(np.isfinite(ends))
+    finite = np.flatnonzero(np.isfinite(ends))
     options = {"time_limit": _SECONDS}
-    solved = linprog(cost, rows[ended], ends[ended], bounds=bounds, options=options)
+    solved = linprog(cost, rows[finite], ends[finite], bounds=bounds, options=options)
     if solved.status != 0:
         return np.nan
     return float(solved.fun)
