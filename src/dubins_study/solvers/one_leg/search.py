@@ -43,14 +43,14 @@ def searched(
     def length(z: FloatArray) -> float:
         return float(z.sum())
 
-    def of(case: Case) -> Attempts[FloatArray, FloatArray]:
+    def attempts(case: Case) -> Attempts[FloatArray, FloatArray]:
         def enough(run: Run[FloatArray]) -> bool:
             return suffices(posed.question, case.subproblem, kind, run.point)
 
         run = timed(case.subproblem.name, partial(solve, case), length)
         return Attempts(guesses(case), run, enough)
 
-    return _chosen(posed, run_attempts(map(of, posed.cases), until))
+    return _chosen(posed, run_attempts(map(attempts, posed.cases), until))
 
 
 def _chosen(posed: PosedLeg, runs: list[Run[FloatArray]]) -> Solution:
