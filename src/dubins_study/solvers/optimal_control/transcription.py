@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from functools import partial
 from itertools import chain, islice, pairwise
 from time import perf_counter
-from typing import ClassVar, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
@@ -178,10 +178,11 @@ class Transcription(EngineSolver):
             message = "the guess `words` is of one leg with a free final heading"
             return Solution(Claim.FAILED, message=message)
         until = perf_counter() + limit
-        every = self.initial_guess == "random"
+        enough = self.initial_guess != "random"  # one solution of a subproblem
         run = partial(self._run, model)
-        each = (Attempts(guesses, run, lambda _: not every) for guesses in trials(model, self))
-        return _answer(model, run_attempts(each, until), in_time=perf_counter() <= until)
+        attempts = (Attempts(guesses, run, lambda _: enough) for guesses in trials(model, self))
+        runs = run_attempts(attempts, until)
+        return _answer(model, runs, in_time=perf_counter() <= until)
 
     def _run(self, model: PosedCourse, guess: Guess, until: float) -> Run[Elements]:
         began = perf_counter()
@@ -328,23 +329,23 @@ def trials(model: PosedCourse, solver: Transcription) -> Iterator[Iterator[Guess
     """
     question, course, _, template = model
     shares = template.shares
-    name = solver.initial_guess
+    kind = solver.initial_guess
     n = solver.n
     warm = _given(question, course, n, shares)
-    if name == "given" and warm:
+    if kind == "given" and warm:
         yield iter(warm)
         return
-    if name == "zero":
-        none = np.zeros(n * course.legs)
-        cold = [iter([Guess("zero", Elements(none, none))])]
-    elif name == "random":
+    if kind == "zero":
+        zeros = np.zeros(n * course.legs)
+        cold = [iter([Guess("zero", Elements(zeros, zeros))])]
+    elif kind == "random":
         cold = [_random(model, solver)]
-    elif name == "straight":
+    elif kind == "straight":
         cold = [iter([_straight(course, n, shares)])]
-    elif course.target is not None and name != "one":
+    elif course.target is not None and kind != "one":
         target = course.target
         most = None
-        if name == "words":
+        if kind == "words":
             most = 1
 
         def shaped(word: str) -> Iterator[Guess]:
@@ -356,9 +357,11 @@ def trials(model: PosedCourse, solver: Transcription) -> Iterator[Iterator[Guess
 
         cold = [shaped(word) for word in words(question.branch, target, solver.presolve)]
     else:
-        signs = [(np.sign(turn), 0.0, np.sign(last)) for turn, _, last in course.turned()]
-        legs = zip(signs, np.abs(course.turned()), strict=True)
-        cold = [iter([Guess("one", _cut_legs([Path(HERE, *leg) for leg in legs], n, shares))])]
+        paths = []
+        for leg in course.turned():
+            turn, _, last = np.sign(leg)
+            paths.append(Path(HERE, (turn, 0.0, last), np.abs(leg)))
+        cold = [iter([Guess("one", _cut_legs(paths, n, shares))])]
     if question.branch == "best":
         if warm:
             yield iter(warm)
@@ -373,7 +376,9 @@ def _cut_legs(paths: Sequence[Path], n: int, shares: FloatArray | None) -> Eleme
 
     Each path begins at heading 0.
     """
-    of_legs = shares if shares is not None else [None] * len(paths)
+    of_legs: Any = shares
+    if shares is None:
+        of_legs = [None] * len(paths)
     legs = [cut(path, n, share) for path, share in zip(paths, of_legs, strict=True)]
     return Elements(*map(np.concatenate, zip(*legs, strict=True)))
 
