@@ -118,10 +118,10 @@ class Headings(SearchSolver):
             return there
         trace: Trace = []
         runs = list(self._runs(route, question.repeat, perf_counter() + limit, trace))
-        begun = [run for run in runs if np.isfinite(run.length)]
-        if not begun:
+        runs_with_length = [run for run in runs if np.isfinite(run.length)]
+        if not runs_with_length:
             return nothing_found(runs)
-        best = min(begun, key=lambda run: run.length)
+        best = min(runs_with_length, key=lambda run: run.length)
         claim = Claim.FEASIBLE
         if best.claim is Claim.LOCAL:
             claim = Claim.LOCAL
@@ -288,10 +288,8 @@ def program(route: Route, functions: Functions | None = None) -> Program:
 
     They have no bounds.
     """
-    k = route.unknowns
-    free = np.full(k, np.inf)
-    written = functions or _functions(route)
-    return Program(_no_expressions, free[:0], -free, free, written)
+    free = np.full(route.unknowns, np.inf)
+    return Program(_no_expressions, free[:0], -free, free, functions or _functions(route))
 
 
 def _no_expressions() -> Expressions:

@@ -142,23 +142,21 @@ class RouteNlp(EngineSolver):
         return PosedRoute(question, route, places, program(route, places), known)
 
     def solve(self, model: PosedRoute, limit: float) -> Solution:
-        question = model.question
-        program = model.program
         places = model.places
         # at zero no constraint qualification holds, as in (4.12)
-        if there := at_start(question.scenario, model.route.target):
+        if there := at_start(model.question.scenario, model.route.target):
             return there
         engine: NlpCall = self.library.load()(self.tol, self.max_iter, self.options)
 
         def solve(guess: FloatArray, seconds: float) -> EngineResult:
-            return engine(program, _unknowns_of(guess, places), seconds)
+            return engine(model.program, _unknowns_of(guess, places), seconds)
 
         def length(x: FloatArray) -> float:
             return float(_arcs(x, places).sum())
 
-        guesses = self._guesses(model)
+        run = timed(self.model, solve, length)
         enough = self.initial_guess == "bearing"  # of the other kinds every guess is tried
-        attempts = Attempts(guesses, timed(self.model, solve, length), lambda _: enough)
+        attempts = Attempts(self._guesses(model), run, lambda _: enough)
         return _answer(model, run_attempts([attempts], perf_counter() + limit))
 
     def first_guess(self, model: PosedRoute) -> FloatArray:
@@ -195,14 +193,13 @@ def _answer(model: PosedRoute, runs: list[Run[FloatArray]]) -> Solution:
     if not runs:
         return nothing_found(runs)
     scenario = model.question.scenario
-    places = model.places
     equations = model.program.functions.equations
     best, claim = best_run_and_claim(runs, lambda run: float(np.abs(equations(run.point)).sum()))
     n = model.route.legs
     duals = best.result.duals
     path = None
     if claim is not Claim.LOCALLY_INFEASIBLE and np.isfinite(best.point).all():
-        arcs = _driven(_arcs(best.point, places))
+        arcs = _driven(_arcs(best.point, model.places))
         path = path_of(scenario, _TURNS * n, arcs.ravel().tolist())
     claimed_length = None
     if claim is Claim.LOCAL:
