@@ -189,9 +189,9 @@ def answered(graph: Graph, end: TourRun, seconds: float, polish: bool) -> Soluti
     if graph.of_bounds and 0.0 < end.bound < math.inf:
         lower_bound = end.bound * (1.0 - _SAFE) * scenario.radius
     if end.tour is None:
-        claim = end.claim
-        if claim is not Claim.FAILED:
-            claim = Claim.LIMIT
+        claim = Claim.LIMIT
+        if end.claim is Claim.FAILED:
+            claim = Claim.FAILED
         message = f"no tour; {_bound_text(graph, end)}"
         return Solution(claim, lower_bound=lower_bound, message=message, **spent([run]))
     order = graph.owner[end.tour].tolist()
@@ -200,15 +200,17 @@ def answered(graph: Graph, end: TourRun, seconds: float, polish: bool) -> Soluti
         headings = np.append(headings, headings[0])
     if graph.of_bounds:
         headings = headings_on_grid(places, order, graph.per_place)
+    message = _bound_text(graph, end)
     if polish:
         headings = polished(places, order, headings, graph.per_place)
+        message += "; then polished"
     path = tour_path(scenario, places, order, headings)
     return Solution(
         Claim.FEASIBLE,
         path=path,
         claimed_length=path.length,
         lower_bound=lower_bound,
-        message=_bound_text(graph, end) + "; then polished" * polish,
+        message=message,
         **spent([run], run),
     )
 

@@ -76,10 +76,12 @@ def _cbc(program: LinearProgram, settings: Settings, seconds: float) -> ProvenRe
     from ortools.linear_solver import pywraplp
 
     solver = pywraplp.Solver.CreateSolver("CBC")
-    z = [
-        solver.IntVar(low, high, "") if whole else solver.NumVar(low, high, "")
-        for low, high, whole in zip(program.low, program.high, program.whole, strict=True)
-    ]
+    z = []
+    for low, high, whole in zip(program.low, program.high, program.whole, strict=True):
+        new_variable = solver.NumVar
+        if whole:
+            new_variable = solver.IntVar
+        z.append(new_variable(low, high, ""))
     for body, least, most in _rows(program):
         row = solver.Constraint(least, most)
         for i, value in body:

@@ -97,9 +97,8 @@ def _alternating(places: Places, order: list[int]) -> FloatArray:
     """
     steps = places.steps(order)
     bearings = np.arctan2(steps[:, 1], steps[:, 0])
-    count = len(order)
     first = int(places.given[0] is not None)
-    headings = np.zeros(count)
+    headings = np.zeros(len(order))
     for k, place in enumerate(order):
         heading = places.given[place]
         if heading is None:

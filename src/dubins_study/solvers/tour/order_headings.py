@@ -89,13 +89,12 @@ def polished(
     The grid had `count` headings at each place. Finer and finer ones follow, down to 1e-9 rad. The
     search ends early at the time `until` (s, on `perf_counter`).
     """
-    free = [places.given[place] is None for place in order]
+    free = [k for k, place in enumerate(order) if places.given[place] is None]
     width = TWO_PI / count
     while width > _FINEST and perf_counter() < until:
-        about = [
-            heading + width * _OFFSETS if is_free else np.array([heading])
-            for heading, is_free in zip(headings, free, strict=False)
-        ]
+        about = [np.array([heading]) for heading in headings[: len(order)]]
+        for k in free:
+            about[k] = headings[k] + width * _OFFSETS
         headings = _best(places, order, about)
         width *= _FINER
     return headings

@@ -48,12 +48,12 @@ class Places:
         m = self.count
         if self.in_order:
             return np.eye(m, k=1, dtype=np.bool_) | np.eye(m, k=1 - m, dtype=np.bool_)
-        may = ~np.eye(m, dtype=np.bool_)
+        allowed = ~np.eye(m, dtype=np.bool_)
         if self.with_target:
-            may[1:-1, 0] = False
-            may[-1, 1:] = False
-            may[0, -1] = m == 2
-        return may
+            allowed[1:-1, 0] = False
+            allowed[-1, 1:] = False
+            allowed[0, -1] = m == 2
+        return allowed
 
     def steps(self, order: list[int]) -> FloatArray:
         """The steps between the places of an order.
@@ -73,7 +73,11 @@ class Places:
         """
         first = self.given[0] or 0.0
         grid: FloatArray = first + (TWO_PI / count) * np.arange(count, dtype=np.float64)
-        return [grid if heading is None else np.array([heading]) for heading in self.given]
+        headings = [grid] * self.count
+        for place, heading in enumerate(self.given):
+            if heading is not None:
+                headings[place] = np.array([heading])
+        return headings
 
 
 def places_of(scenario: Scenario) -> Places:
