@@ -302,11 +302,11 @@ def closed(elements: Elements, rates: Rates, course: Course, equal: bool) -> Clo
     moved by the miss. If the path still misses, for instance because no variable is free on a
     turning circle, the rates change as needed.
     """
-    near = corrected(elements, rates, course, equal=equal, gentle=True)
-    if near.miss <= close_enough(course):
-        return near
-    far = corrected(elements, rates, course)
-    return far._replace(rollouts=near.rollouts + far.rollouts)
+    gentle_result = corrected(elements, rates, course, equal=equal, gentle=True)
+    if gentle_result.miss <= close_enough(course):
+        return gentle_result
+    free_result = corrected(elements, rates, course)
+    return free_result._replace(rollouts=gentle_result.rollouts + free_result.rollouts)
 
 
 def corrected(
@@ -324,20 +324,20 @@ def corrected(
     of all iterates is returned.
     """
     close = close_enough(course)
-    now = elements
+    current = elements
     best = None
     for rollouts in range(1, steps + 2):
-        rolled = rollout(now)
-        gaps = missed(now, course, rolled)
+        rolled = rollout(current)
+        gaps = missed(current, course, rolled)
         off = largest(gaps, course)
         if best is None or off < best.miss:
-            best = Closed(now, off, rollouts, rolled)
-        if not close < off < math.inf or not now.total > 0 or rollouts > steps:
+            best = Closed(current, off, rollouts, rolled)
+        if not close < off < math.inf or not current.total > 0 or rollouts > steps:
             break
-        by_turn, by_length = slopes(now, course, rolled)
+        by_turn, by_length = slopes(current, course, rolled)
         if equal:
             by_length = by_length.reshape(len(by_length), course.legs, -1).sum(axis=2)
-        now = _moved(now, rates, by_turn, by_length, gaps, gentle)
+        current = _moved(current, rates, by_turn, by_length, gaps, gentle)
     assert best is not None
     return best._replace(rollouts=rollouts)
 
@@ -369,11 +369,11 @@ def _moved(
         if gentle:
             step *= min(1.0, _WITHIN / max(float(np.abs(step).max()), 1e-300))
         moved = rate + step[:n] * unit
-        out = free[:n] & ((moved < rates.lower) | (moved > rates.upper))
-        if gentle or not out.any():
+        outside = free[:n] & ((moved < rates.lower) | (moved > rates.upper))
+        if gentle or not outside.any():
             break
-        step[:n][out] = (np.clip(moved, rates.lower, rates.upper) - rate)[out]
-        free[:n] &= ~out
+        step[:n][outside] = (np.clip(moved, rates.lower, rates.upper) - rate)[outside]
+        free[:n] &= ~outside
     rate = np.clip(rate + step[:n] * unit, rates.lower, rates.upper)
     growth = 1.0 + step[n:]
     if not gentle:
