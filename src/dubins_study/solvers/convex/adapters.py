@@ -252,14 +252,14 @@ def highs(problem: Problem) -> Prepared:
 
     def solve(options: OptionValues) -> Ended:
         solver = highs_run(model, options)
-        ended = {"model_status": solver.getModelStatus().name}
+        native_result = {"model_status": solver.getModelStatus().name}
         result = solver.getSolution()
         info = solver.getInfo()
         if not (result.value_valid and result.dual_valid):
-            return Ended(ended)
+            return Ended(native_result)
         y = -np.array(result.row_dual)
         z = -np.array(result.col_dual)
-        return Ended(ended, _point(result.col_value, y, z), max(0, info.qp_iteration_count))
+        return Ended(native_result, _point(result.col_value, y, z), max(0, info.qp_iteration_count))
 
     return solve
 
@@ -554,10 +554,10 @@ def prepare(engine: str, interface: str, problem: Problem) -> Callable[[Ask], Re
 
     def solve(ask: Ask) -> Reply:
         try:
-            ended = prepared(table.options(ask))
+            end = prepared(table.options(ask))
         except NotSolvedError as error:
             return Reply(None, Claim.FAILED, str(error))
-        status = str(table.status(ended.result))
-        return Reply(ended.point, claim_of(engine, status), status, ended.iterations)
+        status = str(table.status(end.result))
+        return Reply(end.point, claim_of(engine, status), status, end.iterations)
 
     return solve
