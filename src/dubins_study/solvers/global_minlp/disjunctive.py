@@ -284,9 +284,9 @@ def _point(model: PosedDisjunction, x: FloatArray) -> Point:
 
     words: list[str] = []
     for leg in pyomo.one_word:
-        of_leg = [word for each, word in pyomo.word if each == leg]
-        chosen = [value(pyomo.word[leg, word].binary_indicator_var) for word in of_leg]
-        words.append(of_leg[int(np.argmax(chosen))])
+        leg_words = [word for word_leg, word in pyomo.word if word_leg == leg]
+        chosen = [value(pyomo.word[leg, word].binary_indicator_var) for word in leg_words]
+        words.append(leg_words[int(np.argmax(chosen))])
     lengths = []
     for leg, word in enumerate(words):
         alpha = value(pyomo.z[leg, "alpha"])
@@ -296,11 +296,11 @@ def _point(model: PosedDisjunction, x: FloatArray) -> Point:
             beta = value(pyomo.z[leg, "beta"])
         lengths.append(np.maximum(pieces(word, alpha, gamma, value(pyomo.w[leg]), beta), 0.0))
     steps = []
-    for leg, each in enumerate(pyomo.steps):
-        ends = list(each)
+    for leg, leg_steps in enumerate(pyomo.steps):
+        ends = list(leg_steps)
         if len(ends) > 1:
             ends.sort(key=lambda pair: value(pyomo.step[leg, pair].binary_indicator_var))
-        steps.append(each[ends[-1]])
+        steps.append(leg_steps[ends[-1]])
     return Point(words, lengths, np.array(steps))
 
 

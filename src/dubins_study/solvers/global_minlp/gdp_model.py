@@ -71,7 +71,7 @@ def gdp_model(
 
     n = course.legs
     steps = steps or [{(leg, leg + 1): step} for leg, step in enumerate(course.steps)]
-    away = [[math.hypot(*step) for step in each.values()] for each in steps]
+    away = [[math.hypot(*step) for step in leg_steps.values()] for leg_steps in steps]
     free = [course.last is None and leg == n - 1 for leg in range(n)]
     of_leg: list[Sequence[str]] = []
     farthest = []  # the longest that `w` may be
@@ -137,7 +137,7 @@ def _add_steps(m: Any, steps: Steps, away: list[list[float]]) -> None:
     from pyomo.gdp import Disjunct, Disjunction
 
     legs = range(len(steps))
-    farthest = [max(each) for each in away]
+    farthest = [max(distances) for distances in away]
     ends = {leg: (-far, far) for leg, far in enumerate(farthest)}
     m.along = Var(legs, bounds=ends)
     m.across = Var(legs, bounds=ends)
@@ -192,14 +192,14 @@ def _add_quadrants(m: Any, ranges: dict[tuple[int, str], tuple[float, float]]) -
     m.sin_q = Var(ranges, bounds=(0, 1), initialize=math.sin(1))
     m.cosine = Constraint(ranges, rule=lambda m, *key: m.cos_q[key] == cos(m.q[key]))
     m.sine = Constraint(ranges, rule=lambda m, *key: m.sin_q[key] == sin(m.q[key]))
-    of_angle = {
+    quadrants_of = {
         key: range(round(low / _QUARTER), round(high / _QUARTER))
         for key, (low, high) in ranges.items()
     }
-    places = [(*key, k) for key, quadrants in of_angle.items() for k in quadrants]
+    places = [(*key, k) for key, quadrants in quadrants_of.items() for k in quadrants]
     m.quadrant = Disjunct(places, rule=_quadrant)
     m.one_quadrant = Disjunction(
-        ranges, rule=lambda m, *key: [m.quadrant[(*key, k)] for k in of_angle[key]]
+        ranges, rule=lambda m, *key: [m.quadrant[(*key, k)] for k in quadrants_of[key]]
     )
 
 
