@@ -58,18 +58,18 @@ def ampl_minlp(settings: Settings, executable: str, names: Keywords) -> MinlpCal
 
     def solve(program: MixedProgram, seconds: float) -> ProvenResult:
         run = _Run(executable, options, names, perf_counter() + seconds)
-        ended = _ended(program, None, run)
-        point: FloatArray | None = ended.x
-        if np.isnan(ended.x).any():
+        engine_result = _ended(program, None, run)
+        point: FloatArray | None = engine_result.x
+        if np.isnan(engine_result.x).any():
             point = None
         return ProvenResult(
             point,
-            ended.claim,
+            engine_result.claim,
             bound=-math.inf,
             nodes=None,
             iterations=None,
-            status=ended.status,
-            message=ended.message,
+            status=engine_result.status,
+            message=engine_result.message,
         )
 
     return solve

@@ -120,7 +120,7 @@ def _log(folder: FilePath, seconds: float) -> str | None:
     """
     before_start = None if sys.platform == "win32" else _lift_data_limit
     try:
-        ended = subprocess.run(
+        completed = subprocess.run(
             [_program(), _MODEL],
             cwd=folder,
             env={"PATH": str(folder)},
@@ -133,7 +133,7 @@ def _log(folder: FilePath, seconds: float) -> str | None:
         )
     except subprocess.TimeoutExpired:
         return None
-    return ended.stdout.decode(errors="replace") + f"\nexit code {ended.returncode}"
+    return completed.stdout.decode(errors="replace") + f"\nexit code {completed.returncode}"
 
 
 def _lift_data_limit() -> None:

@@ -72,10 +72,11 @@ def cobyqa(options: OptionValues) -> NlpCall:
             constraints=NonlinearConstraint(program.functions.equations, 0.0, 0.0),
             options=program.attainable(options, "feasibility_tol"),
         )
-        ended = _ended("COBYQA", result, None)
-        if ended.claim is Claim.LOCAL and not result.success:  # its own check of the violation
-            return ended._replace(claim=Claim.FAILED)
-        return ended
+        engine_result = _ended("COBYQA", result, None)
+        # `success` is its own check of the violation
+        if engine_result.claim is Claim.LOCAL and not result.success:
+            return engine_result._replace(claim=Claim.FAILED)
+        return engine_result
 
     return run
 
@@ -138,14 +139,14 @@ def _sparse(program: Program) -> Functions:
     m = functions.equations(program.lower).size
     rows, columns = entries.hessian_at
     below = rows != columns
-    both = np.hstack((entries.hessian_at, entries.hessian_at[::-1, below]))
+    both_triangles = np.hstack((entries.hessian_at, entries.hessian_at[::-1, below]))
 
     def jacobian(x: FloatArray) -> Any:
         return csr_array((entries.jacobian(x), entries.jacobian_at), shape=(m, n))
 
     def hessian(x: FloatArray, weights: FloatArray) -> Any:
         lower = entries.hessian(x, 1.0, weights)
-        return csr_array((np.append(lower, lower[below]), both), shape=(n, n))
+        return csr_array((np.append(lower, lower[below]), both_triangles), shape=(n, n))
 
     return functions._replace(jacobian=jacobian, hessian=hessian)
 
