@@ -181,9 +181,9 @@ def _first(case: Case, word: str, prescribed: bool) -> FloatArray:
     target = case.target
     if mirrored:
         target = target.mirrored
-    of_word = case_of(word, target)
-    point = np.array(next(bearing_guesses(of_word, prescribed))) * of_word.subproblem.mask
-    if mirrored == of_word.subproblem.mirrored:
+    word_case = case_of(word, target)
+    point = np.array(next(bearing_guesses(word_case, prescribed))) * word_case.subproblem.mask
+    if mirrored == word_case.subproblem.mirrored:
         return point
     return point[[1, 0, 2]]
 
