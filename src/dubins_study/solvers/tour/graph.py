@@ -134,8 +134,8 @@ def _bounds(
     for headings, half in (first, last):
         middles = np.remainder(headings + math.pi, TWO_PI) - math.pi
         # the remainder's rounding grows with the heading
-        wide = half + OVERLAP * (1.0 + np.abs(headings))
-        ends.append((middles, wide, np.zeros(middles.size)))
+        half_widths = half + OVERLAP * (1.0 + np.abs(headings))
+        ends.append((middles, half_widths, np.zeros(middles.size)))
     live = np.ones((first[0].size, last[0].size), np.int8)
     bounds = np.empty(live.shape)
     bound_leg(step, *ends, live, bounds, np.empty(live.shape, np.int8))

@@ -134,10 +134,10 @@ def _extended(
     The further variables are at least 0 and cost nothing.
     """
     zeros = np.zeros(high.size)
-    wide = csr_array((program.least.size, high.size))
+    no_entries = csr_array((program.least.size, high.size))
     return LinearProgram(
         cost=np.concatenate((program.cost, zeros)),
-        rows=csr_array(vstack([hstack([program.rows, wide]), block_array(blocks)])),
+        rows=csr_array(vstack([hstack([program.rows, no_entries]), block_array(blocks)])),
         least=np.concatenate((program.least, least)),
         most=np.concatenate((program.most, most)),
         low=np.concatenate((program.low, zeros)),

@@ -150,9 +150,9 @@ def _glpk(program: LinearProgram, settings: Settings, seconds: float) -> ProvenR
     parameters.tol_int = settings.feastol
     parameters.mip_gap = settings.gap
     parameters.tm_lim = min(max(int(1000 * seconds), 1), _MOST_MS)
-    ended = glpk.glp_intopt(problem, parameters)
-    status = _GLPK_ENDS.get(ended, str(ended))
-    if ended == 0:
+    return_code = glpk.glp_intopt(problem, parameters)
+    status = _GLPK_ENDS.get(return_code, str(return_code))
+    if return_code == 0:
         status = _GLPK_STATUSES[glpk.glp_mip_status(problem)]
     point: FloatArray | None = None
     if glpk.glp_mip_status(problem) in (glpk.GLP_FEAS, glpk.GLP_OPT):
