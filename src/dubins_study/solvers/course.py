@@ -68,7 +68,10 @@ class Course:
 
     @property
     def given_headings(self) -> list[float]:
-        """The start's heading (rad), then the final one if it is given."""
+        """The headings that are given (rad).
+
+        The start's is first. A final heading follows if one is given.
+        """
         headings = [self.first]
         if self.last is not None:
             headings.append(self.last)
@@ -128,7 +131,10 @@ def body_course(scenario: Scenario) -> Course:
 
 
 def free_target(scenario: Scenario) -> Local | None:
-    """The target of one leg with a free final heading, or None."""
+    """The target in body coordinates, or None.
+
+    None unless the question is one leg with a free final heading.
+    """
     if scenario.one_free_leg:
         return local(scenario)
     return None

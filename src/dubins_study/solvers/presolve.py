@@ -9,7 +9,7 @@ from dubins_study.solvers.protocol import Question, Solution
 from dubins_study.study.body_coordinates import Local, local, power
 from dubins_study.study.words import BRANCHES, Claim
 
-WORDS = BRANCHES[1:]
+WORDS: tuple[str, ...] = BRANCHES[1:]
 
 
 def presolved(question: Question) -> Solution | None:

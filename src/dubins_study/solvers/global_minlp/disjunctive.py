@@ -159,7 +159,7 @@ class Disjunctive(EngineSolver):
     def build(self, question: Question) -> PosedDisjunction | Solution:
         scenario = question.scenario
         course = body_course(scenario)
-        disjuncts: tuple[str, ...] = WORDS
+        disjuncts = WORDS
         if course.target is not None:
             disjuncts = words(question.branch, course.target, self.presolve)
         steps = None

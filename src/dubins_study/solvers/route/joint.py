@@ -228,9 +228,9 @@ def program(route: Route, places: Places = ()) -> Program:
     highest = np.tile([*upper, math.inf], route.legs)
     lowest = np.tile([*np.zeros(_ARCS.size), -math.inf], route.legs)
     known = any(leg != _ALL for leg in places)
-    turns = []
-    if known:
-        turns = [_TURNS[place] for leg in places for place in leg]
+    turns = [_TURNS[place] for leg in places for place in leg]
+    if not known:
+        turns = []
     return Program(
         expressions(tuple(map(len, places)), route.last is not None, known),
         np.concatenate((route.steps.ravel(), route.given_headings, turns)),
