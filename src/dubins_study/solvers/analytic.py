@@ -100,7 +100,6 @@ class Analytic(Solver):
                 Claim.OPTIMAL, paths, claimed_length=rows.length, lower_bound=rows.length.copy()
             )
         claim = np.where(absent, CLAIMS.index(Claim.INFEASIBLE), CLAIMS.index(Claim.OPTIMAL))
-        message = np.where(absent, _NONE.format(branch), "").tolist()
         length[:, absent] = 0.0
         paths = Paths(curvature, length, ~absent)
         return FrameSolution(
@@ -108,5 +107,5 @@ class Analytic(Solver):
             paths,
             claimed_length=rows.length,
             lower_bound=rows.length.copy(),
-            message=message,
+            message=np.where(absent, _NONE.format(branch), "").tolist(),
         )

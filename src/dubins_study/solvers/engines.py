@@ -197,10 +197,13 @@ _OF_NLOPT = Options(
 
 
 def _of_uno(plugin: str = "") -> Options:
-    primal = f"{plugin}primal_tolerance"
-    dual = f"{plugin}dual_tolerance"
-    iterations = f"{plugin}max_iterations"
-    return Options((primal,), (dual,), iterations, {f"{plugin}logger": "SILENT"}, _PRINTS_NOTHING)
+    return Options(
+        (f"{plugin}primal_tolerance",),
+        (f"{plugin}dual_tolerance",),
+        f"{plugin}max_iterations",
+        {f"{plugin}logger": "SILENT"},
+        _PRINTS_NOTHING,
+    )
 
 
 def _of_sqp(**inner: Any) -> Options:

@@ -112,8 +112,8 @@ def _gams(program: Any, title: str) -> str:
     from pyomo.opt import WriterFactory
 
     stream = StringIO()
-    everything = {"symbolic_solver_labels": True}
-    WriterFactory("gams")(program, stream, lambda feature: True, everything)
+    options = {"symbolic_solver_labels": True}
+    WriterFactory("gams")(program, stream, lambda feature: True, options)
     return f"* dubins-study: {title}\n{stream.getvalue().rstrip()}\n"
 
 

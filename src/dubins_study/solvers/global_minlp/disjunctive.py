@@ -165,8 +165,9 @@ class Disjunctive(EngineSolver):
         steps = None
         if scenario.order is Order.FREE:
             if len(scenario.via) > _MOST_VIA:
-                message = f"more than {_MOST_VIA} via points in any order"
-                return Solution(Claim.FAILED, message=message)
+                return Solution(
+                    Claim.FAILED, message=f"more than {_MOST_VIA} via points in any order"
+                )
             steps = steps_in_any_order(course, scenario.target is not None)
         model = gdp_model(course, disjuncts, self.quadrants, steps)
         pyomo = transformed(model, self.transformation)
@@ -322,9 +323,11 @@ def _met(model: PosedDisjunction, point: Point) -> tuple[str, Met]:
         )
     turns = [[TURN[letter] for letter in word.ljust(3, "S")] for word in point.words]
     length = np.concatenate([np.resize([*each, 0.0], 3) for each in point.pieces])
-    elements = Elements(np.ravel(turns) * length, length)
-    elements, off, *_ = closed(elements, RATES["best"], course, equal=False)
+    engine_elements = Elements(np.ravel(turns) * length, length)
+    correction = closed(engine_elements, RATES["best"], course, equal=False)
+    elements = correction.elements
+    miss = correction.miss
     path = path_of(scenario, elements.rate.tolist(), elements.length.tolist())
     return " ".join(point.words), Met(
-        path, length=elements.total, miss=off, meets=off <= close_enough(course)
+        path, length=elements.total, miss=miss, meets=miss <= close_enough(course)
     )

@@ -175,8 +175,9 @@ class Transcription(EngineSolver):
             return there
         if self.initial_guess == "words" and course.target is None:
             # only the closed form knows the words of a route's legs
-            message = "the guess `words` is of one leg with a free final heading"
-            return Solution(Claim.FAILED, message=message)
+            return Solution(
+                Claim.FAILED, message="the guess `words` is of one leg with a free final heading"
+            )
         until = perf_counter() + limit
         enough = self.initial_guess != "random"  # one solution of a subproblem
         run = partial(self._run, model)
@@ -202,8 +203,11 @@ class Transcription(EngineSolver):
             rollouts = 1
             off = missed
             if self.correct:
-                fixed = model.template.shares is not None
-                elements, off, rollouts, _ = closed(elements, model.rates, course, fixed)
+                equal = model.template.shares is not None
+                correction = closed(elements, model.rates, course, equal)
+                elements = correction.elements
+                off = correction.miss
+                rollouts = correction.rollouts
                 if claim is Claim.LOCAL and not _arrives(off, course):
                     claim = Claim.FAILED
         result = native._replace(
@@ -212,8 +216,7 @@ class Transcription(EngineSolver):
             message=f"{native.message}; missed by {missed:.1e} radii before the correction",
         )
         seconds = perf_counter() - began
-        length = elements.total
-        return Run(guess.subproblem, seconds, result, elements, length=length, miss=off)
+        return Run(guess.subproblem, seconds, result, elements, length=elements.total, miss=off)
 
 
 @dataclass(frozen=True)
@@ -327,8 +330,9 @@ def trials(model: PosedCourse, solver: Transcription) -> Iterator[Iterator[Guess
       length and its diameter long.
     - `given`: the question's own path only, if there is one.
     """
-    question, course, _, template = model
-    shares = template.shares
+    question = model.question
+    course = model.course
+    shares = model.template.shares
     kind = solver.initial_guess
     n = solver.n
     warm = _given(question, course, n, shares)
@@ -397,10 +401,11 @@ def _straight(course: Course, n: int, shares: FloatArray | None) -> Guess:
 
 
 def _random(model: PosedCourse, solver: Transcription) -> Iterator[Guess]:
-    question, course, rates, template = model
+    course = model.course
+    rates = model.rates
     n = solver.n
-    shares = template.shares
-    repeat = question.repeat
+    shares = model.template.shares
+    repeat = model.question.repeat
     random = np.random.default_rng((solver.seed + repeat, repeat))
     longest = (2 * np.hypot(*course.steps.T) + 2 + TWO_PI)[:, None]
     for _ in range(solver.count):  # one by one: time may be up long before the last

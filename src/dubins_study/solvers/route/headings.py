@@ -169,8 +169,9 @@ class Headings(SearchSolver):
         The guess and the result hold the unknown headings, (k,).
         """
         if route.unknowns == 0:
-            message = "no heading is unknown"
-            return EngineResult(guess, Claim.FEASIBLE, evaluations=1, message=message)
+            return EngineResult(
+                guess, Claim.FEASIBLE, evaluations=1, message="no heading is unknown"
+            )
         if self.library.kind == NLP:
             return self._descend(route, trace, guess, seconds)
         return self._search(route, random, trace, guess, seconds)
