@@ -60,9 +60,11 @@ class Analytic(Solver):
         path, low, high = kind_of(scenario, model.branch).exact(scenario, model.branch, limit)
         if path is None:
             return Solution(Claim.INFEASIBLE, message=_NONE.format(model.branch))
-        closed = high - low <= _CLOSED * max(low, scenario.radius)
-        claim = Claim.OPTIMAL if closed else Claim.FEASIBLE
-        message = "" if closed else _OPEN
+        claim = Claim.FEASIBLE
+        message = _OPEN
+        if high - low <= _CLOSED * max(low, scenario.radius):
+            claim = Claim.OPTIMAL
+            message = ""
         return Solution(
             claim,
             path,
@@ -89,8 +91,8 @@ class Analytic(Solver):
         length = rows.segments
         absent = rows.word == NO_PATH
         # a word has no rate where it has no letter
-        some = np.nan_to_num(rates.T[: len(length)], nan=0.0)
-        curvature = np.take(some, np.where(absent, 0, rows.word), axis=1)
+        letter_rates = np.nan_to_num(rates.T[: len(length)], nan=0.0)
+        curvature = np.take(letter_rates, np.where(absent, 0, rows.word), axis=1)
         curvature /= frame["radius"].to_numpy(np.float64)
         paths = Paths(curvature, length)
         if not absent.any():
@@ -98,7 +100,6 @@ class Analytic(Solver):
                 Claim.OPTIMAL, paths, claimed_length=rows.length, lower_bound=rows.length.copy()
             )
         claim = np.where(absent, CLAIMS.index(Claim.INFEASIBLE), CLAIMS.index(Claim.OPTIMAL))
-        message = np.where(absent, _NONE.format(branch), "").tolist()
         length[:, absent] = 0.0
         paths = Paths(curvature, length, ~absent)
         return FrameSolution(
@@ -106,5 +107,5 @@ class Analytic(Solver):
             paths,
             claimed_length=rows.length,
             lower_bound=rows.length.copy(),
-            message=message,
+            message=np.where(absent, _NONE.format(branch), "").tolist(),
         )

@@ -59,7 +59,9 @@ def most_turn(course: Course, n: int, equal: bool) -> float:
     """
     if equal:
         return MOST_TURN_EACH
-    arcs = 4 if course.target is None else 3
+    arcs = 3
+    if course.target is None:
+        arcs = 4
     return arcs * math.pi / n
 
 
@@ -92,8 +94,8 @@ class Elements(NamedTuple):
 
         The rate of an element of no length is 0.
         """
-        some = self.length > 0
-        return np.divide(self.turn, self.length, out=np.zeros_like(self.turn), where=some)
+        long = self.length > 0
+        return np.divide(self.turn, self.length, out=np.zeros_like(self.turn), where=long)
 
     @property
     def total(self) -> float:
@@ -114,9 +116,9 @@ def cut(path: Path, n: int, shares: FloatArray | None) -> Elements:
     every arc is cut into equal parts that turn by similar angles. A path of more than n arcs
     becomes equally long elements.
     """
-    some = path.lengths > 0
-    curvature = path.curvatures[some]
-    length = path.lengths[some]
+    driven = path.lengths > 0
+    curvature = path.curvatures[driven]
+    length = path.lengths[driven]
     if shares is None and not 0 < length.size <= n:
         shares = np.full(n, 1 / n)
     if shares is not None:
@@ -149,7 +151,7 @@ def step_shares(n: int, mesh: str, course: Course) -> FloatArray:
     for leg, distance in enumerate(np.hypot(*course.steps.T).tolist()):
         share = _TURNING / (_TURNING + distance)
         if mesh == "graded" and share < turning / n:
-            parts = share / turning, (1 - share) / straight
+            parts = (share / turning, (1 - share) / straight)
             shares[leg] = np.repeat(parts, (turning, straight))
     return shares
 
@@ -208,7 +210,9 @@ def turn_left(elements: Elements, course: Course) -> float:
 
     It is within half a turn, and 0 if the final heading is free.
     """
-    return 0.0 if course.last is None else float(wrapped(course.last - elements.turn.sum()))
+    if course.last is None:
+        return 0.0
+    return float(wrapped(course.last - elements.turn.sum()))
 
 
 def missed(elements: Elements, course: Course, rolled: Rollout | None = None) -> FloatArray:
@@ -218,7 +222,9 @@ def missed(elements: Elements, course: Course, rolled: Rollout | None = None) ->
     given, one more: the rest of the turn (rad).
     """
     gaps = np.cumsum((rolled or rollout(elements)).gaps(elements, course), axis=0).ravel()
-    return gaps if course.last is None else np.append(gaps, turn_left(elements, course))
+    if course.last is None:
+        return gaps
+    return np.append(gaps, turn_left(elements, course))
 
 
 def miss(elements: Elements, course: Course) -> float:
@@ -296,11 +302,11 @@ def closed(elements: Elements, rates: Rates, course: Course, equal: bool) -> Clo
     moved by the miss. If the path still misses, for instance because no variable is free on a
     turning circle, the rates change as needed.
     """
-    near = corrected(elements, rates, course, equal=equal, gentle=True)
-    if near.miss <= close_enough(course):
-        return near
-    far = corrected(elements, rates, course)
-    return far._replace(rollouts=near.rollouts + far.rollouts)
+    gentle_result = corrected(elements, rates, course, equal=equal, gentle=True)
+    if gentle_result.miss <= close_enough(course):
+        return gentle_result
+    free_result = corrected(elements, rates, course)
+    return free_result._replace(rollouts=gentle_result.rollouts + free_result.rollouts)
 
 
 def corrected(
@@ -318,20 +324,20 @@ def corrected(
     of all iterates is returned.
     """
     close = close_enough(course)
-    now = elements
+    current = elements
     best = None
     for rollouts in range(1, steps + 2):
-        rolled = rollout(now)
-        gaps = missed(now, course, rolled)
+        rolled = rollout(current)
+        gaps = missed(current, course, rolled)
         off = largest(gaps, course)
         if best is None or off < best.miss:
-            best = Closed(now, off, rollouts, rolled)
-        if not close < off < math.inf or not now.total > 0 or rollouts > steps:
+            best = Closed(current, off, rollouts, rolled)
+        if not close < off < math.inf or not current.total > 0 or rollouts > steps:
             break
-        by_turn, by_length = slopes(now, course, rolled)
+        by_turn, by_length = slopes(current, course, rolled)
         if equal:
             by_length = by_length.reshape(len(by_length), course.legs, -1).sum(axis=2)
-        now = _moved(now, rates, by_turn, by_length, gaps, gentle)
+        current = _moved(current, rates, by_turn, by_length, gaps, gentle)
     assert best is not None
     return best._replace(rollouts=rollouts)
 
@@ -363,11 +369,11 @@ def _moved(
         if gentle:
             step *= min(1.0, _WITHIN / max(float(np.abs(step).max()), 1e-300))
         moved = rate + step[:n] * unit
-        out = free[:n] & ((moved < rates.lower) | (moved > rates.upper))
-        if gentle or not out.any():
+        outside = free[:n] & ((moved < rates.lower) | (moved > rates.upper))
+        if gentle or not outside.any():
             break
-        step[:n][out] = (np.clip(moved, rates.lower, rates.upper) - rate)[out]
-        free[:n] &= ~out
+        step[:n][outside] = (np.clip(moved, rates.lower, rates.upper) - rate)[outside]
+        free[:n] &= ~outside
     rate = np.clip(rate + step[:n] * unit, rates.lower, rates.upper)
     growth = 1.0 + step[n:]
     if not gentle:

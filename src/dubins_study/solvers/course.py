@@ -62,15 +62,28 @@ class Course:
         A final heading (rad) follows if one is given.
         """
         points = np.cumsum(self.steps, axis=0).ravel()
-        return points if self.last is None else np.append(points, self.last)
+        if self.last is None:
+            return points
+        return np.append(points, self.last)
+
+    @property
+    def given_headings(self) -> list[float]:
+        """The headings that are given (rad).
+
+        The start's is first. A final heading follows if one is given.
+        """
+        headings = [self.first]
+        if self.last is not None:
+            headings.append(self.last)
+        return headings
 
     def headings(self, unknown: FloatArray) -> FloatArray:
         """The headings at all points.
 
         Shape (k, ...) -> (n + 1, ...).
         """
-        ends = [self.first] if self.last is None else [self.first, self.last]
-        first, *last = (np.full((1, *unknown.shape[1:]), heading) for heading in ends)
+        several = unknown.shape[1:]
+        first, *last = (np.full((1, *several), heading) for heading in self.given_headings)
         return np.concatenate((first, unknown, *last))
 
     def bearings(self) -> FloatArray:
@@ -108,12 +121,23 @@ def body_course(scenario: Scenario) -> Course:
     `Scenario.local` turns a target in the same way.
     """
     dx, dy = np.diff(scenario.points, axis=0).T
-    cos, sin = math.cos(scenario.start.heading), math.sin(scenario.start.heading)
+    cos = math.cos(scenario.start.heading)
+    sin = math.sin(scenario.start.heading)
     steps = np.column_stack((dx * cos + dy * sin, dy * cos - dx * sin)) / scenario.radius
-    final = scenario.stops[-1].heading  # also where the path is closed
-    last = None if final is None else final - scenario.start.heading
-    target = local(scenario) if scenario.one_free_leg else None
-    return Course(steps, 0.0, last, target)
+    last = scenario.stops[-1].heading  # also where the path is closed
+    if last is not None:
+        last -= scenario.start.heading
+    return Course(steps, 0.0, last, free_target(scenario))
+
+
+def free_target(scenario: Scenario) -> Local | None:
+    """The target in body coordinates, or None.
+
+    None unless the question is one leg with a free final heading.
+    """
+    if scenario.one_free_leg:
+        return local(scenario)
+    return None
 
 
 def path_of(
@@ -132,8 +156,7 @@ def path_of(
         for turn, length in zip(turns, lengths, strict=True)
         if not length <= 0  # so that NaN stays and is seen by the check
     ]
-    begin = scenario.start if start is None else start
-    return Path(begin, [k for k, _ in pieces], [length for _, length in pieces])
+    return Path(start or scenario.start, [k for k, _ in pieces], [length for _, length in pieces])
 
 
 def coordinate_rounding(scenario: Scenario) -> float:
@@ -149,8 +172,9 @@ def in_world(scenario: Scenario, duals: FloatArray) -> tuple[float, float]:
 
     `duals` are in body coordinates.
     """
-    along, left = float(duals[0]), float(duals[1])
-    cos, sin = math.cos(scenario.start.heading), math.sin(scenario.start.heading)
+    along, left = duals.tolist()
+    cos = math.cos(scenario.start.heading)
+    sin = math.sin(scenario.start.heading)
     return along * cos - left * sin, along * sin + left * cos
 
 

@@ -73,14 +73,18 @@ class Engine(NamedTuple):
         nonlinear programs, or of a search, takes `tol`, `max_iter` and `options` as the settings of
         a solver have them. It returns an `NlpCall` or a `penalty_function.Search`.
         """
-        place = _resolved(self.place) if isinstance(self.place, str) else self.place
+        place: Any = self.place
+        if isinstance(place, str):
+            place = _resolved(place)
         adapter = partial(place, **self.arguments)
         if self.kind == PROVEN:
             return adapter
 
         def call(tol: float = 0.0, max_iter: int = 0, options: str = OPTION_SETS[0]) -> Any:
             adapted = adapter(self.options.of(options, tol, max_iter))
-            return _resolved(_MEASURED)(adapted) if self.kind == NLP else adapted
+            if self.kind == NLP:
+                return _resolved(_MEASURED)(adapted)
+            return adapted
 
         return call
 
@@ -134,8 +138,8 @@ def _nlp(label: str, package: str, adapter: str, options: Options, **more: Any) 
 
 
 def _nlpsol(label: str, plugin: str, options: Options, **more: Any) -> Engine:
-    arguments = {"plugin": plugin}
-    return _nlp(label, "casadi", "casadi_nlpsol:nlpsol", options, arguments=arguments, **more)
+    adapter = "casadi_nlpsol:nlpsol"
+    return _nlp(label, "casadi", adapter, options, arguments={"plugin": plugin}, **more)
 
 
 def _nlopt(label: str, algorithm: str, **inner: str) -> Engine:
@@ -147,10 +151,15 @@ def _search(
     label: str, name: str, budget: int, optimality: tuple[str, ...] = (), **options: Any
 ) -> Engine:
     """An engine for one of SciPy's searches."""
-    place = "stochastic.penalty_function:scipy_search"
-    arguments = {"name": name}
-    chosen = Options(optimality=optimality, **options)
-    return Engine(label, SAMPLING, ("scipy",), place, arguments, chosen, evaluations=budget)
+    return Engine(
+        label,
+        SAMPLING,
+        ("scipy",),
+        "stochastic.penalty_function:scipy_search",
+        arguments={"name": name},
+        options=Options(optimality=optimality, **options),
+        evaluations=budget,
+    )
 
 
 _PRINTS_NOTHING = "prints nothing"
@@ -188,10 +197,13 @@ _OF_NLOPT = Options(
 
 
 def _of_uno(plugin: str = "") -> Options:
-    primal = f"{plugin}primal_tolerance"
-    dual = f"{plugin}dual_tolerance"
-    iterations = f"{plugin}max_iterations"
-    return Options((primal,), (dual,), iterations, {f"{plugin}logger": "SILENT"}, _PRINTS_NOTHING)
+    return Options(
+        (f"{plugin}primal_tolerance",),
+        (f"{plugin}dual_tolerance",),
+        f"{plugin}max_iterations",
+        {f"{plugin}logger": "SILENT"},
+        _PRINTS_NOTHING,
+    )
 
 
 def _of_sqp(**inner: Any) -> Options:
@@ -421,7 +433,9 @@ def program_engine(name: str, kind: str) -> Engine:
     """
     candidates = (each for begin, each in EXECUTABLES.items() if name.startswith(begin))
     keywords = next(candidates, Keywords())
-    place = "nlp_engines.ampl:ampl_minlp" if kind == PROVEN else "nlp_engines.ampl:ampl_nlp"
+    place = "nlp_engines.ampl:ampl_nlp"
+    if kind == PROVEN:
+        place = "nlp_engines.ampl:ampl_minlp"
     arguments = {"executable": name, "names": keywords}
     return Engine(name, kind, ("pyomo",), place, arguments, keywords.options)
 
@@ -478,7 +492,9 @@ class EngineSolver(Solver):
 
     @property
     def runs(self) -> str | None:
-        return None if self.engine in self.engines else self.engine
+        if self.engine in self.engines:
+            return None
+        return self.engine
 
     def unavailable(self) -> str | None:
         # whether an executable is a solver is seen when it is run
@@ -493,7 +509,9 @@ class EngineSolver(Solver):
 
     def library_versions(self) -> dict[str, str]:
         versions = self.library.versions
-        return versions() if versions else {}
+        if versions is None:
+            return {}
+        return versions()
 
     @property
     def keeps_limit(self) -> bool:
@@ -527,4 +545,6 @@ class SearchSolver(EngineSolver):
     @property
     def guess(self) -> str:
         """The value of the column `guess`."""
-        return self.initial_guess if self.guided else "none"
+        if self.guided:
+            return self.initial_guess
+        return "none"

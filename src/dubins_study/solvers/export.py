@@ -62,7 +62,9 @@ def export(scenario: Scenario, model: str = "paper", format: str = "nl", order: 
 
         program = transformed(gdp_model(body_course(scenario)))
         title = "disjunctive model, unit radius, vehicle's frame"
-    return nl_file(program, title).text if format == "nl" else _gams(program, title)
+    if format == "nl":
+        return nl_file(program, title).text
+    return _gams(program, title)
 
 
 def _check(name: str, value: str, choices: tuple[str, ...]) -> None:
@@ -88,7 +90,9 @@ def _paper(scenario: Scenario, order: str) -> Any:
     """
     from pyomo.environ import ConcreteModel, Constraint, Expression, Objective, Var, cos, sin
 
-    R = scenario.radius if order == "LRS" else -scenario.radius
+    R = scenario.radius
+    if order == "RLS":
+        R = -R
     th0 = scenario.start.heading
     m = ConcreteModel()
     for name, length in zip(("z1", "z2", "z3"), _guess(scenario, order), strict=True):
@@ -108,15 +112,20 @@ def _gams(program: Any, title: str) -> str:
     from pyomo.opt import WriterFactory
 
     stream = StringIO()
-    everything = {"symbolic_solver_labels": True}
-    WriterFactory("gams")(program, stream, lambda feature: True, everything)
+    options = {"symbolic_solver_labels": True}
+    WriterFactory("gams")(program, stream, lambda feature: True, options)
     return f"* dubins-study: {title}\n{stream.getvalue().rstrip()}\n"
 
 
 def _mod(scenario: Scenario, order: str) -> str:
-    first, second = ("left", "right") if order == "LRS" else ("right", "left")
+    first = "left"
+    second = "right"
+    curvature = "1 / R"
+    if order == "RLS":
+        first = "right"
+        second = "left"
+        curvature = "-1 / R"
     template = files(__package__).joinpath("paper.mod").read_text(encoding="utf-8")
-    curvature = "1 / R" if order == "LRS" else "-1 / R"
     return template.format(
         scenario=scenario,
         order=order,
@@ -210,8 +219,10 @@ def _convex_texts(_: Any, question: Question) -> Texts:
 
     name = question.scenario.label
     problem = posed(name)
-    quadratic = {} if problem.cones.size else {".qps": qps_text(problem, name)}
-    return {".cbf": cbf_text(problem)} | quadratic
+    texts = {".cbf": cbf_text(problem)}
+    if not problem.cones.size:
+        texts[".qps"] = qps_text(problem, name)
+    return texts
 
 
 # By the formulation's name: the function that writes the files of a question.

@@ -40,8 +40,8 @@ def highs_rows(
     matrix.index_ = rows.indices
     matrix.value_ = rows.data
     if whole is not None:
-        kind = highspy.HighsVarType
-        program.integrality_ = [kind.kInteger if one else kind.kContinuous for one in whole]
+        kinds = (highspy.HighsVarType.kContinuous, highspy.HighsVarType.kInteger)
+        program.integrality_ = [kinds[is_whole] for is_whole in whole.tolist()]
     return program
 
 

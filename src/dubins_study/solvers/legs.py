@@ -10,9 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from dubins_study.solvers.course import Course
+from dubins_study.solvers.course import Course, free_target
 from dubins_study.study.arrays import FloatArray
-from dubins_study.study.body_coordinates import local
 from dubins_study.study.closed_form.pose import WORDS6
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.words import TURN
@@ -60,5 +59,4 @@ def route_of(scenario: Scenario) -> Route:
     Its directions are those of the scenario's axes.
     """
     steps = np.diff(scenario.points, axis=0) / scenario.radius
-    target = local(scenario) if scenario.one_free_leg else None
-    return Route(steps, scenario.start.heading, scenario.final_heading, target)
+    return Route(steps, scenario.start.heading, scenario.final_heading, free_target(scenario))

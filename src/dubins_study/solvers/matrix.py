@@ -85,10 +85,13 @@ def _of_engine(name: str, kind: str) -> Iterator[MatrixEntry]:
         entry = solvers.get(formulation.name)
         reason: str | None = formulation.reasons.get(kind, _REASONS[kind])
         engine = label
+        usable_spec = None
         if entry is not None:
-            reason = unavailable(entry[1])
-            engine = stated_method(entry[1]).engine  # the exact methods have several names
-        usable_spec = entry[0] if entry and reason is None else None
+            spec, solver = entry
+            reason = unavailable(solver)
+            engine = stated_method(solver).engine  # the exact methods have several names
+            if reason is None:
+                usable_spec = spec
         yield MatrixEntry(
             formulation=formulation.name,
             engine=engine,

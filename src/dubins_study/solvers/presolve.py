@@ -9,7 +9,7 @@ from dubins_study.solvers.protocol import Question, Solution
 from dubins_study.study.body_coordinates import Local, local, power
 from dubins_study.study.words import BRANCHES, Claim
 
-WORDS = BRANCHES[1:]
+WORDS: tuple[str, ...] = BRANCHES[1:]
 
 
 def presolved(question: Question) -> Solution | None:
@@ -31,7 +31,9 @@ def words(branch: str, target: Local, presolve: bool) -> tuple[str, ...]:
 
     With `presolve`, words that cannot exist are left out.
     """
-    named = WORDS if branch == "best" else (branch,)
+    named = WORDS
+    if branch != "best":
+        named = (branch,)
     if not presolve:
         return named
     return tuple(word for word in named if unreachable(target, word) is None)
@@ -48,7 +50,9 @@ def unreachable(target: Local, word: str) -> str | None:
     delta of the given one (docs/derivation.md, section 5).
     """
     X, Y, delta = target
-    side = Y if word[0] == "L" else -Y
+    side = Y
+    if word[0] == "R":
+        side = -Y
     inside = power(X, side, 0.0)
     # A target off by delta in X and in Y moves by sqrt(2) delta, and `inside` by 2 |T - C| times
     # that, where |T - C| <= 1 + |X| + |Y|. Twice as much leaves room for rounding, which moves

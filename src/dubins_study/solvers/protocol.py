@@ -63,7 +63,9 @@ class Question:
         with np.errstate(over="ignore", invalid="ignore"):
             path = Path(Pose(0.0, 0.0, 0.0), guess.curvatures * radius, guess.lengths / radius)
             extent = path.length + np.abs(path.curvatures * path.lengths).sum()
-        return path if extent <= LARGEST_EXTENT else None  # also where it is NaN
+        if extent <= LARGEST_EXTENT:
+            return path
+        return None  # also where the extent is NaN
 
 
 class Method(NamedTuple):
@@ -97,7 +99,9 @@ class Method(NamedTuple):
         The guess is `warm` if the question hands one to a search.
         """
         has_guess = question is not None and question.initial_guess is not None
-        guess = "warm" if has_guess and self.guess != "none" else self.guess
+        guess = self.guess
+        if has_guess and guess != "none":
+            guess = "warm"
         guesses = GUESSES.get(guess, guess)
         posed = BY_NAME.get(self.formulation)
         known = self.knows.split()
@@ -106,7 +110,10 @@ class Method(NamedTuple):
         one_leg = question is None or question.scenario.one_free_leg
         if posed is not None and posed.several and guess == "bearing" and one_leg:
             guesses = SEVERAL
-        known += ["words"] * (guesses in ("words", SEVERAL)) + ["presolve"] * self.presolve
+        if guesses in ("words", SEVERAL):
+            known.append("words")
+        if self.presolve:
+            known.append("presolve")
         knows = " ".join(dict.fromkeys(known))
         return self._asdict() | {"guess": guess, "guesses": guesses, "knows": knows}
 
@@ -196,9 +203,11 @@ def _pair(value: Any) -> tuple[float, float]:
 
 def _effort(value: Any) -> Effort:
     subproblem, runs, evaluations, seconds = value
-    run_count = 0 if runs is None else _count(runs)
-    evaluation_count = None if evaluations is None else _count(evaluations)
-    return Effort(_text(subproblem), run_count, evaluation_count, float(seconds))
+    if runs is None:
+        runs = 0
+    if evaluations is not None:
+        evaluations = _count(evaluations)
+    return Effort(_text(subproblem), _count(runs), evaluations, float(seconds))
 
 
 def _efforts(value: Any) -> tuple[Effort, ...]:

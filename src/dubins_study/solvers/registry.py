@@ -8,6 +8,7 @@ from __future__ import annotations
 import hashlib
 import importlib.util
 import sys
+from contextlib import suppress
 from dataclasses import fields, is_dataclass
 from functools import cache
 from importlib.metadata import EntryPoint, entry_points
@@ -48,7 +49,9 @@ def ours(spec: str) -> bool:
 
     The spec may be invalid.
     """
-    name = name_of(spec) if isinstance(spec, str) else ""
+    name = ""
+    if isinstance(spec, str):
+        name = name_of(spec)
     return _our_name(name)
 
 
@@ -163,18 +166,25 @@ def stated_method(solver: Solver) -> Method:
     A SolverError tells that the statement is no tuple of texts.
     """
     stated: Any = solver.method
-    try:
-        method = Method(*stated) if isinstance(stated, tuple) else None
-        stated_numbers = (method or Method())[3:5]
-        tolerance, proves = (None if x is None else float(x) for x in stated_numbers)
-    except (TypeError, ValueError):
-        method = None
+    method = None
+    with suppress(TypeError, ValueError):
+        if isinstance(stated, tuple):
+            method = _with_floats(Method(*stated))
     if method is None or not all(isinstance(text, str) for text in method[:3]):
         raise SolverError(
             f"solver {solver.name!r}: method is {stated!r:.80}; expected a tuple of texts: "
             "formulation, engine and, if there is one, the kind of initial guess"
         )
-    return method._replace(tolerance=tolerance, proves=proves, presolve=solver.presolve is True)
+    return method._replace(presolve=solver.presolve is True)
+
+
+def _with_floats(method: Method) -> Method:
+    """The method with its numbers as floats."""
+    if method.tolerance is not None:
+        method = method._replace(tolerance=float(method.tolerance))
+    if method.proves is not None:
+        method = method._replace(proves=float(method.proves))
+    return method
 
 
 def settings(solver: Solver) -> dict[str, Any]:
@@ -190,16 +200,18 @@ def canonical(spec: str, profile: str = "default") -> str:
     The settings are in their order, without those that have the profile's values. Settings that the
     class lists in `always_named` are written whatever their values.
     """
-    name, given = parse_spec(spec)
+    name, texts = parse_spec(spec)
     kind = _kind(name)
     defaults = settings(load(name, profile))
-    values = defaults | _convert(name, kind, given)
+    values = defaults | _convert(name, kind, texts)
     changed = [
         f"{key}={value}"
         for key, value in values.items()
         if value != defaults[key] or key in kind.always_named
     ]
-    return f"{name}[{','.join(changed)}]" if changed else name
+    if not changed:
+        return name
+    return f"{name}[{','.join(changed)}]"
 
 
 def load(spec: str, profile: str = "default") -> Solver:
@@ -208,10 +220,10 @@ def load(spec: str, profile: str = "default") -> Solver:
     A spec is `ipopt`, `turn-rate-qp[n=50,engine=piqp]` or `file.py:Class`, for example. The
     settings of the spec replace those of the profile. A SolverError names the mistake.
     """
-    name, given = parse_spec(spec)
+    name, texts = parse_spec(spec)
     kind = _kind(name)
     try:
-        values = {**kind.profiles.get(profile, {}), **_convert(name, kind, given)}
+        values = {**kind.profiles.get(profile, {}), **_convert(name, kind, texts)}
         solver = kind(**values)
         stated_method(solver)
         return solver
@@ -319,16 +331,16 @@ def _checked(name: str, kind: Any) -> type[Solver]:
     return kind
 
 
-def _convert(name: str, kind: type[Solver], given: dict[str, str]) -> dict[str, Any]:
+def _convert(name: str, kind: type[Solver], texts: dict[str, str]) -> dict[str, Any]:
     """The settings' texts as values.
 
     The values have the types of the defaults.
     """
-    if not given:
+    if not texts:
         return {}
     defaults = settings(kind())
     values = {}
-    for key, text in given.items():
+    for key, text in texts.items():
         if key not in defaults:
             known = ", ".join(defaults) or "none"
             near = did_you_mean(key, defaults)
@@ -337,7 +349,10 @@ def _convert(name: str, kind: type[Solver], given: dict[str, str]) -> dict[str, 
         try:
             if value_type in (int, float):
                 number_of_text(text)
-            values[key] = _BOOLEANS[text.lower()] if value_type is bool else value_type(text)
+            if value_type is bool:
+                values[key] = _BOOLEANS[text.lower()]
+            else:
+                values[key] = value_type(text)
         except (KeyError, TypeError, ValueError):  # no type of a number or text takes the text
             raise SolverError(
                 f"solver {name!r}: {key} is {text!r}; expected {value_type.__name__}, "

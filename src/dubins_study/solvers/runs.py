@@ -112,10 +112,10 @@ def run_attempts(attempts: Iterable[Attempts[Guess, Point]], until: float) -> li
     some engines never end on a word that has no path, and would leave nothing for the others.
     """
     runs: list[Run[Point]] = []
-    every = list(attempts)
-    for remaining, (guesses, solve, enough) in zip(range(len(every), 0, -1), every, strict=True):
+    subproblems = list(attempts)
+    for ended, (guesses, solve, enough) in enumerate(subproblems):
         began = perf_counter()
-        end = began + (until - began) / remaining
+        end = began + (until - began) / (len(subproblems) - ended)
         for guess in guesses:
             if perf_counter() > end:
                 break
@@ -138,12 +138,11 @@ def best_run_and_claim(
     solved = [run for run in runs if run.claim is Claim.LOCAL]
     if solved:
         return min(solved, key=lambda run: run.length), Claim.LOCAL
-    missed = [run._replace(miss=miss(run)) for run in runs]
-    # some engines return no numbers when they fail
-    best = min(missed, key=lambda run: run.miss if math.isfinite(run.miss) else math.inf)
-    claims = {run.claim for run in runs}
-    claim = claims.pop() if len(claims) == 1 else Claim.FAILED
-    if claim is Claim.FEASIBLE and not best.miss <= ARRIVES:
+    measured = [run._replace(miss=miss(run)) for run in runs]
+    # some engines return no numbers when they fail: those runs go last
+    best = min(measured, key=lambda run: (not math.isfinite(run.miss), run.miss))
+    [claim, *others] = {run.claim for run in runs}
+    if others or (claim is Claim.FEASIBLE and not best.miss <= ARRIVES):
         claim = Claim.FAILED
     return best, claim
 
@@ -171,8 +170,10 @@ def spent(runs: Sequence[Run[Any]], best: Run[Any] | None = None) -> dict[str, A
 
 def nothing_found(runs: Sequence[Run[Any]]) -> Solution:
     """The answer if no run has a point."""
-    messages = [run.result.message for run in runs]
-    return Solution(Claim.LIMIT, message=(messages or ["no time to begin"])[0])
+    message = "no time to begin"
+    if runs:
+        message = runs[0].result.message
+    return Solution(Claim.LIMIT, message=message)
 
 
 def at_start(scenario: Scenario, target: Local | None, tolerance: float = 0.0) -> Solution | None:
@@ -193,7 +194,9 @@ def total(counts: Iterable[int | None]) -> int | None:
     An engine that does not count gives None.
     """
     numbers = list(counts)
-    return None if None in numbers else sum(count for count in numbers if count is not None)
+    if None in numbers:
+        return None
+    return sum(count for count in numbers if count is not None)
 
 
 def summed(efforts: Iterable[Effort]) -> tuple[Effort, ...]:

@@ -170,7 +170,9 @@ class Keywords(NamedTuple):
         It is rounded down to milliseconds.
         """
         limit = math.floor(1000 * seconds) / 1000
-        return {self.seconds: limit} if self.seconds and limit > 0 else {}
+        if self.seconds and limit > 0:
+            return {self.seconds: limit}
+        return {}
 
 
 def option_set() -> Any:

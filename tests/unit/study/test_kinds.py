@@ -91,10 +91,8 @@ _SOLVER = "solvers import no kind, which knows the answer"
 _FIELD = "it writes or reads the field itself"
 WHO_ASKS = {
     "solvers/protocol.py:columns": _SOLVER,
-    "solvers/course.py:body_course": _SOLVER,
+    "solvers/course.py:free_target": _SOLVER,
     "solvers/export.py:export": _SOLVER,
-    "solvers/legs.py:route_of": _SOLVER,
-    "solvers/tour/places.py:empty_path": _SOLVER,
     "asking/attempt.py:_scenario_text": _FIELD,
     "cli/solving/question.py:question_of": "it reads an option of that name",
     "conformance/answers.py:_advice": "the two discs are of one free leg",

@@ -100,7 +100,8 @@ def conic(problem: Problem) -> Conic:
     equal = problem.equal
     m = problem.l.size
     n = problem.q.size
-    upper, lower = ~equal & np.isfinite(problem.u), ~equal & np.isfinite(problem.l)
+    upper = ~equal & np.isfinite(problem.u)
+    lower = ~equal & np.isfinite(problem.l)
     unit = eye_array(n)
     A = [problem.A[equal], problem.A[upper], -problem.A[lower], unit, -unit, -problem.C]
     ends = (problem.u[equal], problem.u[upper], -problem.l[lower], problem.ub, -problem.lb)
@@ -251,14 +252,14 @@ def highs(problem: Problem) -> Prepared:
 
     def solve(options: OptionValues) -> Ended:
         solver = highs_run(model, options)
-        ended = {"model_status": solver.getModelStatus().name}
+        native_result = {"model_status": solver.getModelStatus().name}
         result = solver.getSolution()
         info = solver.getInfo()
         if not (result.value_valid and result.dual_valid):
-            return Ended(ended)
+            return Ended(native_result)
         y = -np.array(result.row_dual)
         z = -np.array(result.col_dual)
-        return Ended(ended, _point(result.col_value, y, z), max(0, info.qp_iteration_count))
+        return Ended(native_result, _point(result.col_value, y, z), max(0, info.qp_iteration_count))
 
     return solve
 
@@ -315,25 +316,30 @@ def ecos(problem: Problem) -> Prepared:
 
     form = conic(problem)
     zeros = form.zeros
-    some = np.flatnonzero(problem.p)
+    squared = np.flatnonzero(problem.p)  # the variables in the quadratic term
+    terms = squared.size
     scaled = coo_matrix(
-        (-2 * np.sqrt(problem.p[some]), (np.arange(some.size), some)),
-        shape=(some.size, problem.q.size),
+        (-2 * np.sqrt(problem.p[squared]), (np.arange(terms), squared)),
+        shape=(terms, problem.q.size),
     )
     of_v = np.full((2, 1), -2.0)
     rows = csc_matrix(block_array([[form.A, None], [None, of_v], [scaled, None]]))
-    ends = np.concatenate((form.b, [1.0, -1.0], np.zeros(some.size)))
-    sizes = [*problem.cones.tolist(), 2 + some.size]
+    ends = np.concatenate((form.b, [1.0, -1.0], np.zeros(terms)))
+    sizes = [*problem.cones.tolist(), 2 + terms]
     dims = {"l": form.positive, "q": sizes, "e": 0}
-    equations = (csc_matrix(rows[:zeros]), ends[:zeros]) if zeros else (None, None)
+    equations: tuple[Any, ...] = ()
+    if zeros:
+        equations = (csc_matrix(rows[:zeros]), ends[:zeros])
     G = csc_matrix(rows[zeros:])
     h = ends[zeros:]
     cost = np.append(problem.q, 1.0)
 
     def solve(options: OptionValues) -> Ended:
         result = library.solve(cost, G, h, dims, *equations, verbose=False, **options)
-        y = result["y"] if zeros else np.zeros(0)
-        multipliers = np.concatenate((y, result["z"][: h.size - 2 - some.size]))
+        y = np.zeros(0)
+        if zeros:
+            y = result["y"]
+        multipliers = np.concatenate((y, result["z"][: h.size - 2 - terms]))
         point = form.back(result["x"][:-1], multipliers)
         return Ended(result, point, result["info"]["iter"])
 
@@ -548,10 +554,10 @@ def prepare(engine: str, interface: str, problem: Problem) -> Callable[[Ask], Re
 
     def solve(ask: Ask) -> Reply:
         try:
-            ended = prepared(table.options(ask))
+            end = prepared(table.options(ask))
         except NotSolvedError as error:
             return Reply(None, Claim.FAILED, str(error))
-        status = str(table.status(ended.result))
-        return Reply(ended.point, claim_of(engine, status), status, ended.iterations)
+        status = str(table.status(end.result))
+        return Reply(end.point, claim_of(engine, status), status, end.iterations)
 
     return solve

@@ -67,7 +67,9 @@ class Convex(Solver):
 
     def solve(self, model: Any, limit: float) -> Solution:
         reply = model(Ask(self.tolerance, limit, tuned=self.options == "tuned"))
-        point = None if reply.point is None else np.concatenate(reply.point)
+        point = None
+        if reply.point is not None:
+            point = np.concatenate(reply.point)
         return Solution(
             reply.claim,
             point=point,

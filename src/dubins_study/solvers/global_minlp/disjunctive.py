@@ -151,20 +151,23 @@ class Disjunctive(EngineSolver):
     @property
     def method(self) -> Method:
         # the bound is lowered by up to twice the tolerance
-        proves = None if self.runs else max(self.gap, 2 * self.feastol)
+        proves = None
+        if self.runs is None:
+            proves = max(self.gap, 2 * self.feastol)
         return Method("disjunction", self.library.label, "none", self.feastol, proves)
 
     def build(self, question: Question) -> PosedDisjunction | Solution:
         scenario = question.scenario
         course = body_course(scenario)
-        disjuncts: tuple[str, ...] = WORDS
+        disjuncts = WORDS
         if course.target is not None:
             disjuncts = words(question.branch, course.target, self.presolve)
         steps = None
         if scenario.order is Order.FREE:
             if len(scenario.via) > _MOST_VIA:
-                message = f"more than {_MOST_VIA} via points in any order"
-                return Solution(Claim.FAILED, message=message)
+                return Solution(
+                    Claim.FAILED, message=f"more than {_MOST_VIA} via points in any order"
+                )
             steps = steps_in_any_order(course, scenario.target is not None)
         model = gdp_model(course, disjuncts, self.quadrants, steps)
         pyomo = transformed(model, self.transformation)
@@ -198,7 +201,9 @@ class Disjunctive(EngineSolver):
         began = perf_counter()
         proven: ProvenResult = self.library.load()(settings)(model.translated.program, seconds)
         seconds = perf_counter() - began
-        point = None if proven.x is None else _point(model, proven.x)
+        point = None
+        if proven.x is not None:
+            point = _point(model, proven.x)
         result = proven.counted(iterations=proven.nodes)
         return Run("all words", seconds, result, point, bound=proven.bound)
 
@@ -207,9 +212,11 @@ class Disjunctive(EngineSolver):
         # Node bounds come from linear programs solved to the tolerance, not exactly.
         bound = max(0.0, run.bound - feastol * (1 + abs(run.bound)))
         # only `_claim` makes the claim that a path is optimal
-        engine_claim = Claim.FEASIBLE if run.claim is Claim.OPTIMAL else run.claim
+        claim = run.claim
+        if claim is Claim.OPTIMAL:
+            claim = Claim.FEASIBLE
         solution = Solution(
-            engine_claim,
+            claim,
             lower_bound=bound * scenario.radius,
             iterations=run.result.iterations,
             native_status=run.result.status,
@@ -241,15 +248,17 @@ class Disjunctive(EngineSolver):
         The engine's own claim holds for its own point only.
         """
         if not met.meets:
-            close = met.miss <= _SLACK * feastol
             message = f"meets the points only to {met.miss:.1e} radii"
-            return (Claim.FEASIBLE, message) if close else (Claim.FAILED, message)
+            if met.miss <= _SLACK * feastol:
+                return Claim.FEASIBLE, message
+            return Claim.FAILED, message
         gap = (met.length - bound) / max(met.length, 1.0)
         message = f"within {gap:.1e} of the bound"
         if gap <= self.gap:
             return Claim.OPTIMAL, message
-        claim = Claim.LIMIT if stopped else Claim.FEASIBLE
-        return claim, message
+        if stopped:
+            return Claim.LIMIT, message
+        return Claim.FEASIBLE, message
 
 
 def _unproven(solution: Solution) -> Solution:
@@ -276,21 +285,23 @@ def _point(model: PosedDisjunction, x: FloatArray) -> Point:
 
     words: list[str] = []
     for leg in pyomo.one_word:
-        of_leg = [word for each, word in pyomo.word if each == leg]
-        chosen = [value(pyomo.word[leg, word].binary_indicator_var) for word in of_leg]
-        words.append(of_leg[int(np.argmax(chosen))])
+        leg_words = [word for word_leg, word in pyomo.word if word_leg == leg]
+        chosen = [value(pyomo.word[leg, word].binary_indicator_var) for word in leg_words]
+        words.append(leg_words[int(np.argmax(chosen))])
     lengths = []
     for leg, word in enumerate(words):
         alpha = value(pyomo.z[leg, "alpha"])
         gamma = value(pyomo.z[leg, "gamma"])
-        beta = value(pyomo.z[leg, "beta"]) if (leg, "beta") in pyomo.z else 0.0
+        beta = 0.0
+        if (leg, "beta") in pyomo.z:
+            beta = value(pyomo.z[leg, "beta"])
         lengths.append(np.maximum(pieces(word, alpha, gamma, value(pyomo.w[leg]), beta), 0.0))
     steps = []
-    for leg, each in enumerate(pyomo.steps):
-        ends = list(each)
+    for leg, leg_steps in enumerate(pyomo.steps):
+        ends = list(leg_steps)
         if len(ends) > 1:
             ends.sort(key=lambda pair: value(pyomo.step[leg, pair].binary_indicator_var))
-        steps.append(each[ends[-1]])
+        steps.append(leg_steps[ends[-1]])
     return Point(words, lengths, np.array(steps))
 
 
@@ -312,9 +323,11 @@ def _met(model: PosedDisjunction, point: Point) -> tuple[str, Met]:
         )
     turns = [[TURN[letter] for letter in word.ljust(3, "S")] for word in point.words]
     length = np.concatenate([np.resize([*each, 0.0], 3) for each in point.pieces])
-    elements = Elements(np.ravel(turns) * length, length)
-    elements, off, *_ = closed(elements, RATES["best"], course, equal=False)
+    engine_elements = Elements(np.ravel(turns) * length, length)
+    correction = closed(engine_elements, RATES["best"], course, equal=False)
+    elements = correction.elements
+    miss = correction.miss
     path = path_of(scenario, elements.rate.tolist(), elements.length.tolist())
     return " ".join(point.words), Met(
-        path, length=elements.total, miss=off, meets=off <= close_enough(course)
+        path, length=elements.total, miss=miss, meets=miss <= close_enough(course)
     )

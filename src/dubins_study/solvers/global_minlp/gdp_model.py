@@ -41,7 +41,9 @@ def steps_in_any_order(course: Course, with_target: bool) -> Steps:
     points = np.vstack((np.zeros(2), np.cumsum(course.steps, axis=0)))
     last = course.legs
     via = list(range(1, last + 1 - with_target))
-    passed = [[0], *([via] * len(via)), *([[last]] * with_target)]
+    passed = [[0], *[via] * len(via)]  # the points that may be passed, in their turn
+    if with_target:
+        passed.append([last])
     steps: Steps = []
     for begins, ends in pairwise(passed):
         pairs = product(begins, ends)
@@ -69,18 +71,27 @@ def gdp_model(
 
     n = course.legs
     steps = steps or [{(leg, leg + 1): step} for leg, step in enumerate(course.steps)]
-    away = [[math.hypot(*step) for step in each.values()] for each in steps]
+    away = [[math.hypot(*step) for step in leg_steps.values()] for leg_steps in steps]
     free = [course.last is None and leg == n - 1 for leg in range(n)]
-    of_leg = [
-        words if ends else [word for word in _OF_LEGS if min(each) < _THREE_ARCS or "S" in word]
-        for each, ends in zip(away, free, strict=True)
-    ]
+    of_leg: list[Sequence[str]] = []
+    farthest = []  # the longest that `w` may be
+    for distances, is_free in zip(away, free, strict=True):
+        # No optimum has a full turn in it, and a turn moves the vehicle by its chord, at most 2
+        # radii.
+        if is_free:
+            of_leg.append(words)
+            farthest.append(max(distances) + 2)
+        else:
+            close = min(distances) < _THREE_ARCS
+            of_leg.append([word for word in _OF_LEGS if close or "S" in word])
+            farthest.append(max(max(distances) + 4, 2 * TWO_PI))
     ranges: dict[tuple[int, str], tuple[float, float]] = {}
     for leg in range(n):
         three_arcs = "RLR" in of_leg[leg]
-        lowest = -TWO_PI / 2 if three_arcs else 0.0
-        turns = lowest, TWO_PI
-        ranges |= dict.fromkeys(((leg, "alpha"), (leg, "gamma")), turns)
+        lowest = 0.0
+        if three_arcs:
+            lowest = -TWO_PI / 2
+        ranges |= dict.fromkeys(((leg, "alpha"), (leg, "gamma")), (lowest, TWO_PI))
         if leg:
             ranges[leg, "mu"] = 0.0, TWO_PI
         if three_arcs:
@@ -90,11 +101,6 @@ def gdp_model(
     m.z = Var(ranges, bounds=lambda m, *key: ranges[key], initialize=_QUARTER)
     m.c = Var(ranges, bounds=(-1, 1), initialize=math.cos(1))
     m.s = Var(ranges, bounds=(-1, 1), initialize=math.sin(1))
-    # No optimum has a full turn in it, and a turn moves the vehicle by its chord, at most 2 radii.
-    farthest = [
-        max(each) + 2 if ends else max(max(each) + 4, 2 * TWO_PI)
-        for each, ends in zip(away, free, strict=True)
-    ]
     m.w = Var(range(n), bounds=lambda m, leg: (0, farthest[leg]), initialize=1)
     # the headings between the legs, and whole turns by which they leave the range of `mu`
     m.theta = Var(range(1, n + (course.last is not None)), bounds=(-2 * TWO_PI, 3 * TWO_PI))
@@ -109,9 +115,7 @@ def gdp_model(
     chosen = [(leg, word) for leg in range(n) for word in of_leg[leg]]
 
     def rule(disjunct: Any, leg: int, word: str) -> None:
-        [step, *others] = steps[leg].values()
-        only_step = None if others else step
-        _word(disjunct, leg, word, only_step)
+        _word(disjunct, leg, word, steps[leg])
 
     m.word = Disjunct(chosen, rule=rule)
     m.one_word = Disjunction(range(n), rule=lambda m, leg: [m.word[leg, w] for w in of_leg[leg]])
@@ -133,18 +137,21 @@ def _add_steps(m: Any, steps: Steps, away: list[list[float]]) -> None:
     from pyomo.gdp import Disjunct, Disjunction
 
     legs = range(len(steps))
-    farthest = [max(each) for each in away]
+    farthest = [max(distances) for distances in away]
     ends = {leg: (-far, far) for leg, far in enumerate(farthest)}
     m.along = Var(legs, bounds=ends)
     m.across = Var(legs, bounds=ends)
     m.first_sine = Var(bounds=(-1, 1))  # of the first leg's direction
 
     def rule(disjunct: Any, leg: int, begin: int, end: int) -> None:
-        cos_mu, sin_mu = m.c[0, "alpha"], m.first_sine
+        cos_mu = m.c[0, "alpha"]
+        sin_mu = m.first_sine
         if leg:
-            cos_mu, sin_mu = m.c[leg, "mu"], m.s[leg, "mu"]
+            cos_mu = m.c[leg, "mu"]
+            sin_mu = m.s[leg, "mu"]
         X, Y = (steps[leg][begin, end] / farthest[leg]).tolist()
-        along, across = m.along[leg] / farthest[leg], m.across[leg] / farthest[leg]
+        along = m.along[leg] / farthest[leg]
+        across = m.across[leg] / farthest[leg]
         disjunct.along = Constraint(expr=X * cos_mu + Y * sin_mu == along)
         disjunct.across = Constraint(expr=Y * cos_mu - X * sin_mu == across)
 
@@ -185,14 +192,14 @@ def _add_quadrants(m: Any, ranges: dict[tuple[int, str], tuple[float, float]]) -
     m.sin_q = Var(ranges, bounds=(0, 1), initialize=math.sin(1))
     m.cosine = Constraint(ranges, rule=lambda m, *key: m.cos_q[key] == cos(m.q[key]))
     m.sine = Constraint(ranges, rule=lambda m, *key: m.sin_q[key] == sin(m.q[key]))
-    of_angle = {
+    quadrants_of = {
         key: range(round(low / _QUARTER), round(high / _QUARTER))
         for key, (low, high) in ranges.items()
     }
-    places = [(*key, k) for key, quadrants in of_angle.items() for k in quadrants]
+    places = [(*key, k) for key, quadrants in quadrants_of.items() for k in quadrants]
     m.quadrant = Disjunct(places, rule=_quadrant)
     m.one_quadrant = Disjunction(
-        ranges, rule=lambda m, *key: [m.quadrant[(*key, k)] for k in of_angle[key]]
+        ranges, rule=lambda m, *key: [m.quadrant[(*key, k)] for k in quadrants_of[key]]
     )
 
 
@@ -205,7 +212,8 @@ def _quadrant(disjunct: Any, leg: int, name: str, k: int) -> None:
 
     m = disjunct.model()
     key = (leg, name)
-    c, s = m.cos_q[key], m.sin_q[key]
+    c = m.cos_q[key]
+    s = m.sin_q[key]
     for _ in range(k % 4):
         c, s = -s, c
     disjunct.angle = Constraint(expr=m.z[key] == m.q[key] + k * _QUARTER)
@@ -213,43 +221,52 @@ def _quadrant(disjunct: Any, leg: int, name: str, k: int) -> None:
     disjunct.sine = Constraint(expr=m.s[key] == s)
 
 
-def _word(disjunct: Any, leg: int, word: str, step: FloatArray | None) -> None:
+def _word(disjunct: Any, leg: int, word: str, steps: dict[tuple[int, int], FloatArray]) -> None:
     """Constraints of one word of a leg.
 
-    The leg goes over `step`, or over the step that `_add_steps` chooses if it is None.
+    The leg goes over its only step, or over the one of several that `_add_steps` chooses.
     """
     from pyomo.environ import Constraint
 
     m = disjunct.model()
     alpha = m.z[leg, "alpha"]
     gamma = m.z[leg, "gamma"]
-    cos_a, sin_a = m.c[leg, "alpha"], m.s[leg, "alpha"]
-    cos_c, sin_c = m.c[leg, "gamma"], m.s[leg, "gamma"]
+    cos_a = m.c[leg, "alpha"]
+    sin_a = m.s[leg, "alpha"]
+    cos_c = m.c[leg, "gamma"]
+    sin_c = m.s[leg, "gamma"]
     first = TURN[word[0]]
     last = TURN[word[-1]]
     w = m.w[leg]
     turned = first * alpha
     if leg:  # the direction that the leg is seen along
         mu = m.z[leg, "mu"]
-        cos_mu, sin_mu = m.c[leg, "mu"], m.s[leg, "mu"]
+        cos_mu = m.c[leg, "mu"]
+        sin_mu = m.s[leg, "mu"]
         disjunct.begins = Constraint(expr=mu == m.theta[leg] + turned - _whole_turns(m, leg))
     else:  # from heading 0
         mu = turned
-        cos_mu, sin_mu = cos_a, first * sin_a
-    if step is None:
+        cos_mu = cos_a
+        sin_mu = first * sin_a
+    if len(steps) > 1:
         scale = m.along[leg].ub
-        along, across = m.along[leg] / scale, m.across[leg] / scale
+        along = m.along[leg] / scale
+        across = m.across[leg] / scale
         if not leg:
             disjunct.sees = Constraint(expr=m.first_sine == sin_mu)
     else:
+        [step] = steps.values()
         X, Y = step.tolist()
         scale = max(1.0, math.hypot(X, Y))
         along = (X * cos_mu + Y * sin_mu) / scale
         across = (Y * cos_mu - X * sin_mu) / scale
     if "S" in word or len(word) == 2:
-        ahead, aside = w, last * (1 - cos_c) - first * (1 - cos_a)
+        ahead = w
+        aside = last * (1 - cos_c) - first * (1 - cos_a)
         if len(word) == 2:
-            absent = gamma if word[1] == "S" else w
+            absent = w
+            if word[1] == "S":
+                absent = gamma
             disjunct.absent = Constraint(expr=absent == 0)
         else:
             disjunct.forward = Constraint(expr=alpha >= 0)
@@ -258,7 +275,8 @@ def _word(disjunct: Any, leg: int, word: str, step: FloatArray | None) -> None:
                 disjunct.absent = Constraint(expr=m.z[leg, "beta"] == _QUARTER)
     else:
         beta = m.z[leg, "beta"]
-        ahead, aside = 4 * m.s[leg, "beta"], first * (cos_a - cos_c)
+        ahead = 4 * m.s[leg, "beta"]
+        aside = first * (cos_a - cos_c)
         disjunct.middle = Constraint(expr=w == 4 * beta)
         disjunct.forward = Constraint(expr=alpha + beta >= 0)
         disjunct.and_last = Constraint(expr=gamma + beta >= 0)
@@ -276,7 +294,9 @@ def _whole_turns(m: Any, point: int) -> Any:
 def pieces(word: str, alpha: float, gamma: float, w: float, beta: float) -> FloatArray:
     """The lengths of a word's two or three pieces."""
     if len(word) == 2:
-        last = w if word[1] == "S" else gamma
+        last = gamma
+        if word[1] == "S":
+            last = w
         return np.array((alpha, last))
     if "S" in word:
         return np.array((alpha, w, gamma))
@@ -320,7 +340,12 @@ def translated(model: Any) -> Translated:
         for variable in identify_variables(expression):
             variables.setdefault(id(variable), variable)
     place = {key: n for n, key in enumerate(variables)}
-    bounds = [(v.value, v.value) if v.fixed else _limits(v.lb, v.ub) for v in variables.values()]
+    bounds = []
+    for variable in variables.values():
+        if variable.fixed:
+            bounds.append((variable.value, variable.value))
+        else:
+            bounds.append(_limits(variable.lb, variable.ub))
 
     def write(x: Sequence[Any], interface: Any) -> Written:
         functions = Functions(interface)
@@ -341,9 +366,11 @@ def _limits(lower: float | None, upper: float | None) -> tuple[float, float]:
 
     None is no bound, and becomes an infinite one.
     """
-    low = -math.inf if lower is None else lower
-    high = math.inf if upper is None else upper
-    return low, high
+    if lower is None:
+        lower = -math.inf
+    if upper is None:
+        upper = math.inf
+    return lower, upper
 
 
 def rebuilt(node: Any, variable: Callable[[Any], Any], functions: Functions) -> Any:

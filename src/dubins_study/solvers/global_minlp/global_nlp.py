@@ -125,7 +125,9 @@ class GlobalNlp(EngineSolver):
         question, target, cases = model.leg
         covers = self.model == "words" or self.order == "both" or question.branch != "best"
         if there := at_start(question.scenario, target):
-            return replace(there, claim=Claim.OPTIMAL, lower_bound=0.0) if covers else there
+            if covers:
+                return replace(there, claim=Claim.OPTIMAL, lower_bound=0.0)
+            return there
         solve: MinlpCall = self.library.load()(
             Settings(gap=self.gap, feastol=self.feastol, lean=self.emphasis == "lean")
         )
@@ -143,8 +145,9 @@ class GlobalNlp(EngineSolver):
                 length = float(z.sum())
             seconds = perf_counter() - began
             result = proven.counted(iterations=proven.nodes)
-            name = case.subproblem.name
-            runs.append(Run(name, seconds, result, z, length=length, bound=proven.bound))
+            runs.append(
+                Run(case.subproblem.name, seconds, result, z, length=length, bound=proven.bound)
+            )
         return self._answer(model.leg, runs, covers)
 
     def _answer(self, leg: PosedLeg, runs: list[Run[FloatArray]], covers: bool) -> Solution:
@@ -153,12 +156,15 @@ class GlobalNlp(EngineSolver):
         Its claim and its bound are those of all runs together.
         """
         R = leg.question.scenario.radius
-        complete = len(runs) == len(leg.cases)
         bound = min((run.bound for run in runs), default=-math.inf)
         statuses = (f"{run.subproblem} {run.result.status}" for run in runs)
         messages = (f"{run.subproblem}: {run.result.message}" for run in runs)
-        claim = _claim(runs, covers) if complete else Claim.LIMIT
-        lower_bound = bound * R if complete and covers and math.isfinite(bound) else None
+        claim = Claim.LIMIT
+        lower_bound = None
+        if len(runs) == len(leg.cases):
+            claim = _claim(runs, covers)
+            if covers and math.isfinite(bound):
+                lower_bound = bound * R
         solution = Solution(
             claim,
             lower_bound=lower_bound,
@@ -213,13 +219,18 @@ def _claim(runs: list[Run[FloatArray]], covers: bool) -> Claim:
     """The engine's claim of all programs together."""
     claims = {run.claim for run in runs}
     if claims == {Claim.INFEASIBLE}:
-        return Claim.INFEASIBLE if covers else Claim.FAILED
+        if covers:
+            return Claim.INFEASIBLE
+        return Claim.FAILED
     if claims <= {Claim.OPTIMAL, Claim.INFEASIBLE}:
-        return Claim.OPTIMAL if covers else Claim.LOCAL
+        if covers:
+            return Claim.OPTIMAL
+        return Claim.LOCAL
     if Claim.LIMIT in claims:
         return Claim.LIMIT
-    has_point = any(run.length < math.inf for run in runs)
-    return Claim.FEASIBLE if has_point else Claim.FAILED
+    if any(run.length < math.inf for run in runs):
+        return Claim.FEASIBLE
+    return Claim.FAILED
 
 
 def _path(leg: PosedLeg, case: Case, z: FloatArray, polish: bool) -> Path:
@@ -230,7 +241,9 @@ def _path(leg: PosedLeg, case: Case, z: FloatArray, polish: bool) -> Path:
     """
     scenario = leg.question.scenario
     if polish:
-        turns = z[[1, 0, 2]] if case.subproblem.mirrored else z  # left, right, straight
+        turns = z  # left, right, straight
+        if case.subproblem.mirrored:
+            turns = z[[1, 0, 2]]
         words = _words(case.subproblem.name, z)
         word, polished = meet_target(scenario, leg.target, words, words[0], turns)
         if polished.meets:

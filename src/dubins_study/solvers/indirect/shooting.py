@@ -131,7 +131,9 @@ class Shooting(Solver):
                 break
         z = np.zeros(3)
         z[free] = candidate.durations
-        claim = Claim.FAILED if fault else Claim.LOCAL
+        claim = Claim.LOCAL
+        if fault is not None:
+            claim = Claim.FAILED
         return EngineResult(
             z,
             claim,
@@ -150,8 +152,12 @@ class Shooting(Solver):
                 raise _OutOfTimeError
             return structure.residual(v)
 
-        ours = (self.tol * _STEP, int(self.max_evaluations)) if self.options == "equal" else ()
-        options = ENGINES[self.root].options.of(self.options, *ours)
+        step = 0.0
+        most = 0
+        if self.options == "equal":
+            step = self.tol * _STEP
+            most = int(self.max_evaluations)
+        options = ENGINES[self.root].options.of(self.options, step, most)
         return root(residual, v, jac=structure.jacobian, method=self.root, options=options)
 
 

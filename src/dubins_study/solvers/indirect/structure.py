@@ -73,7 +73,9 @@ class Structure:
     @property
     def unit(self) -> float:
         """Unit (radii) of the second duration among the unknowns."""
-        return self.scale if self.singular else 1.0
+        if self.singular:
+            return self.scale
+        return 1.0
 
     def unknowns(self, costates: FloatArray, durations: FloatArray) -> FloatArray:
         """The unknowns that `residual` takes.
@@ -98,13 +100,18 @@ class Structure:
         """
         u, w = self.turns
         turn = u * first
-        s, c = math.sin(turn), math.cos(turn)
-        x, y = u * s, u * 2 * math.sin(turn / 2) ** 2  # 1 - cos without cancellation
+        s = math.sin(turn)
+        c = math.cos(turn)
+        x = u * s
+        y = u * 2 * math.sin(turn / 2) ** 2  # 1 - cos without cancellation
         switch = Piece(x, y, turn, (c, s), (0.0, 0.0))
         half = w * second / 2
-        chord = second if w == 0 else 2 * w * math.sin(half)
+        chord = second
+        if w != 0:
+            chord = 2 * w * math.sin(half)
         end = turn + 2 * half
-        dx, dy = chord * math.cos(turn + half), chord * math.sin(turn + half)
+        dx = chord * math.cos(turn + half)
+        dy = chord * math.sin(turn + half)
         # a longer first piece turns everything after it
         by_first = (c - u * dy, s + u * dx)
         by_second = (math.cos(end), math.sin(end))
@@ -216,7 +223,9 @@ class Candidate:
             self.costates = structure.costates(durations)
             self.wrong = structure.wrong_sign(self.costates, durations)
         self.against = self.wrong > tol  # the minimum condition (2.14), to `tol` of u nu3
-        self.kind = "bang-singular" if structure.singular else "bang-bang"
+        self.kind = "bang-bang"
+        if structure.singular:
+            self.kind = "bang-singular"
 
     @property
     def multipliers(self) -> FloatArray | None:
@@ -225,13 +234,18 @@ class Candidate:
         It is -(nu1, nu2)/nu0, or None if the extremal is abnormal.
         """
         nu0, nu1, nu2, _ = self.costates
-        return np.array((-nu1 / nu0, -nu2 / nu0)) if nu0 > _ABNORMAL else None
+        if nu0 > _ABNORMAL:
+            return np.array((-nu1 / nu0, -nu2 / nu0))
+        return None
 
     def describe(self) -> str:
         """The kind of an extremal, for messages."""
-        normal = "abnormal" if self.multipliers is None else "normal"
-        signs = ", against the sign of nu3: stationary, but no extremal" if self.against else ""
-        return f"{self.kind}, {normal}{signs}"
+        text = f"{self.kind}, normal"
+        if self.multipliers is None:
+            text = f"{self.kind}, abnormal"
+        if self.against:
+            return f"{text}, against the sign of nu3: stationary, but no extremal"
+        return text
 
     def fault(self, allowed: float, prescribed: bool) -> str | None:
         """The condition that is not met, or None.
@@ -266,7 +280,9 @@ def candidates(structure: Structure, v: FloatArray, tol: float) -> Iterator[Cand
 
 def _forwards(structure: Structure, durations: FloatArray) -> FloatArray:
     first, second = durations.tolist()
-    last = max(second, 0.0) if structure.singular else second % TWO_PI
+    last = second % TWO_PI
+    if structure.singular:
+        last = max(second, 0.0)
     return np.array((first % TWO_PI, last))
 
 
@@ -278,7 +294,9 @@ def _without(structure: Structure, durations: FloatArray, missing: int) -> Float
     """
     moved = float(durations[missing])
     if not (structure.singular and missing == 1):
-        moved = math.remainder(moved, TWO_PI) if math.isfinite(moved) else math.nan
+        if math.isinf(moved):
+            moved = math.nan  # `math.remainder` raises for an infinity
+        moved = math.remainder(moved, TWO_PI)
     changed = durations.copy()
     changed[1 - missing] += moved
     changed[missing] = 0.0

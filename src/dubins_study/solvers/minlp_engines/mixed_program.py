@@ -29,7 +29,9 @@ class Functions:
 
     def __getattr__(self, name: str) -> Callable[[Any], Any]:
         def function(x: Any) -> Any:
-            place = math if isinstance(x, (int, float)) else self._interface
+            place = self._interface
+            if isinstance(x, (int, float)):
+                place = math
             return getattr(place, name)(x)
 
         return function
@@ -52,9 +54,12 @@ class Row(NamedTuple):
         """
         if self.lower == self.upper:
             return [self.body == self.lower]
-        least = [self.body >= self.lower] if math.isfinite(self.lower) else []
-        most = [self.body <= self.upper] if math.isfinite(self.upper) else []
-        return least + most
+        relations = []
+        if math.isfinite(self.lower):
+            relations.append(self.body >= self.lower)
+        if math.isfinite(self.upper):
+            relations.append(self.body <= self.upper)
+        return relations
 
 
 class Written(NamedTuple):
@@ -112,7 +117,9 @@ class ProvenResult(NamedTuple):
 
     def counted(self, iterations: int | None, evaluations: int | None = None) -> EngineResult:
         """The result as an `EngineResult` with the given counts."""
-        x = np.empty(0) if self.x is None else self.x
+        x = self.x
+        if x is None:
+            x = np.empty(0)
         return EngineResult(
             x,
             self.claim,

@@ -103,13 +103,15 @@ def _result(model: Any, x: list[Any]) -> ProvenResult:
     if status == "userinterrupt":
         raise KeyboardInterrupt
     point = None
+    unnamed = Claim.FAILED  # the claim of a status that is not listed
     if model.getNSols():
         best = model.getBestSol()
         point = np.array([model.getSolVal(best, variable) for variable in x])
-    unnamed = Claim.FAILED if point is None else Claim.FEASIBLE
+        unnamed = Claim.FEASIBLE
     claim = claim_of("scip", status, unnamed)
     bound = float(model.getDualbound())
-    bound = math.copysign(math.inf, bound) if abs(bound) >= model.infinity() else bound
+    if abs(bound) >= model.infinity():
+        bound = math.copysign(math.inf, bound)
     return ProvenResult(
         point,
         claim,
@@ -128,9 +130,15 @@ def translated(program: MixedProgram) -> tuple[Any, list[Any]]:
     model = pyscipopt.Model()
     x = []
     for lower, upper, binary in program.variables:
-        low = lower if math.isfinite(lower) else None
-        high = upper if math.isfinite(upper) else None
-        kind = "B" if binary else "C"
+        low = None
+        if math.isfinite(lower):
+            low = lower
+        high = None
+        if math.isfinite(upper):
+            high = upper
+        kind = "C"
+        if binary:
+            kind = "B"
         x.append(model.addVar(lb=low, ub=high, vtype=kind))
     written = program.write(x, pyscipopt)
     for row in written.rows:

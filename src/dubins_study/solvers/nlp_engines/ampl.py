@@ -58,16 +58,18 @@ def ampl_minlp(settings: Settings, executable: str, names: Keywords) -> MinlpCal
 
     def solve(program: MixedProgram, seconds: float) -> ProvenResult:
         run = _Run(executable, options, names, perf_counter() + seconds)
-        ended = _ended(program, None, run)
-        point = None if np.isnan(ended.x).any() else ended.x
+        engine_result = _ended(program, None, run)
+        point: FloatArray | None = engine_result.x
+        if np.isnan(engine_result.x).any():
+            point = None
         return ProvenResult(
             point,
-            ended.claim,
+            engine_result.claim,
             bound=-math.inf,
             nodes=None,
             iterations=None,
-            status=ended.status,
-            message=ended.message,
+            status=engine_result.status,
+            message=engine_result.message,
         )
 
     return solve
@@ -132,8 +134,9 @@ def _read(model: Any, written: NlFile, text: str, executable: str) -> EngineResu
         values = loader.get_vars(variables)
     except (PyomoException, AssertionError, LookupError):
         # each loader reports a missing point in its own way; some claims need no point
-        pointless = claim if claim in (*DENIALS, Claim.LIMIT) else Claim.FAILED
-        return no_point(len(variables), pointless, status, message)
+        if claim not in (*DENIALS, Claim.LIMIT):
+            claim = Claim.FAILED
+        return no_point(len(variables), claim, status, message)
     x = np.array([values[variable] for variable in variables])
     duals = None
     with suppress(PyomoException, NotImplementedError, LookupError):

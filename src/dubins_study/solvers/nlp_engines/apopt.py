@@ -56,9 +56,10 @@ def apopt(options: OptionValues) -> NlpCall:
         if claim is Claim.LOCAL and np.isnan(x).any():
             claim = Claim.FAILED
             status = "no results.json"
-        message = log[log.find("@error") :].strip() if "@error" in log else status
-        iterations = _iterations(log)
-        return EngineResult(x, claim, iterations=iterations, status=status, message=message)
+        message = status
+        if "@error" in log:
+            message = log[log.find("@error") :].strip()
+        return EngineResult(x, claim, iterations=_iterations(log), status=status, message=message)
 
     return run
 
@@ -107,7 +108,9 @@ def _model(program: Program, guess: FloatArray) -> str:
 
 
 def _bound(sign: str, value: float) -> str:
-    return f", {sign} {value!r}" if math.isfinite(value) else ""
+    if math.isfinite(value):
+        return f", {sign} {value!r}"
+    return ""
 
 
 def _log(folder: FilePath, seconds: float) -> str | None:
@@ -117,7 +120,7 @@ def _log(folder: FilePath, seconds: float) -> str | None:
     """
     before_start = None if sys.platform == "win32" else _lift_data_limit
     try:
-        ended = subprocess.run(
+        completed = subprocess.run(
             [_program(), _MODEL],
             cwd=folder,
             env={"PATH": str(folder)},
@@ -130,7 +133,7 @@ def _log(folder: FilePath, seconds: float) -> str | None:
         )
     except subprocess.TimeoutExpired:
         return None
-    return ended.stdout.decode(errors="replace") + f"\nexit code {ended.returncode}"
+    return completed.stdout.decode(errors="replace") + f"\nexit code {completed.returncode}"
 
 
 def _lift_data_limit() -> None:
@@ -160,4 +163,6 @@ def _iterations(log: str) -> int | None:
     """The last iteration number in the log's table."""
     table = log.partition("Convergence")[2].splitlines()
     rows = [words for words in map(str.split, table) if len(words) == 3 and words[0].isdigit()]
-    return int(rows[-1][0]) if rows else None
+    if not rows:
+        return None
+    return int(rows[-1][0])

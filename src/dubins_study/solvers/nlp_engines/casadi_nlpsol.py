@@ -114,11 +114,14 @@ def _compiled(
         sizes = expressions.stages._asdict().items()
         options |= {name: list(size) for name, size in sizes} | {"equality": [True] * m}
         options |= {"structure_detection": "manual", "N": len(expressions.stages.nx) - 1}
-    watch = _watch(n, m) if watched else None
-    options |= {"iteration_callback": watch} if watched else {}
+    watch = None
+    if watched:
+        options["iteration_callback"] = watch = _watch(n, m)
     solver = casadi.nlpsol("engine", plugin, problem, options)
     if not _PLUGINS[plugin].remembers:
-        call = _by_arrays(solver) if _PLUGINS[plugin].by_arrays else _plain(solver)
+        call = _plain(solver)
+        if _PLUGINS[plugin].by_arrays:
+            call = _by_arrays(solver)
         return lambda: call, watch
     # the derivatives, which take ten times as long to make as all else, are kept
     derivatives = {
@@ -215,13 +218,16 @@ def _result(plugin: str, x: FloatArray, duals: FloatArray, stats: dict[str, Any]
     # evaluations of objective or equations, whichever are more; alpaqa's psi evaluates both
     of_both = stats.get("n_call_nlp_fg", 0) + stats.get("n_call_nlp_psi", 0)
     of_one = max(stats.get("n_call_nlp_f", 0), stats.get("n_call_nlp_g", 0))
-    iteration_count = None if iterations is None else int(iterations)
-    finite_duals = duals if np.isfinite(duals).all() else None  # Bonmin returns none
+    if iterations is not None:
+        iterations = int(iterations)
+    finite_duals = None  # Bonmin returns none
+    if np.isfinite(duals).all():
+        finite_duals = duals
     return EngineResult(
         x,
         claim(plugin, stats),
         finite_duals,
-        iterations=iteration_count,
+        iterations=iterations,
         evaluations=int(of_both + of_one),
         status=status,
         message=status.replace("_", " ").lower(),

@@ -5,7 +5,6 @@ Any engine with an AMPL interface reads this format.
 
 from __future__ import annotations
 
-import math
 from io import StringIO
 from typing import Any, NamedTuple
 
@@ -36,9 +35,9 @@ def nl_file(model: Any, title: str = "") -> NlFile:
         return NlFile(stream.getvalue(), info)
     names = [v.name.removesuffix(".binary_indicator_var") for v in info.variables]
     # The rest of the first line is the only place for a comment that every reader leaves alone.
-    first, _, rest = stream.getvalue().partition("\n")
+    first, _, body = stream.getvalue().partition("\n")
     heading = f"{first.partition('#')[0]}# dubins-study: {title}; variables {' '.join(names)}"
-    return NlFile(f"{heading}\n{rest}", info)
+    return NlFile(f"{heading}\n{body}", info)
 
 
 def pyomo_model(program: MixedProgram, guess: FloatArray | None = None) -> Any:
@@ -52,10 +51,8 @@ def pyomo_model(program: MixedProgram, guess: FloatArray | None = None) -> Any:
     m.x = environ.Var(range(program.lower.size))
     for place, (low, high, binary) in enumerate(program.variables):
         variable = m.x[place]
-        lower = low if math.isfinite(low) else None
-        upper = high if math.isfinite(high) else None
-        variable.setlb(lower)
-        variable.setub(upper)
+        variable.setlb(low)  # Pyomo takes an infinite bound for none
+        variable.setub(high)
         if binary:
             variable.domain = environ.Binary
         if guess is not None:

@@ -172,7 +172,9 @@ class Program:
     @cached_property
     def expressions(self) -> Expressions:
         """The expressions, for engines that read them."""
-        return self.source if isinstance(self.source, Expressions) else self.source()
+        if isinstance(self.source, Expressions):
+            return self.source
+        return self.source()
 
     @cached_property
     def functions(self) -> Functions:

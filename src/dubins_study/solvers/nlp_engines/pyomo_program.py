@@ -60,40 +60,46 @@ def asked(model: PyomoProgram, engine: NlpCall, native: bool) -> Ask:
     lowest = np.array(file.g_lb)
     highest = np.array(file.g_ub)
     # the file's order for an engine that gets the file, or else the caller's
-    order = to_file[to_file < n] if native else np.arange(n)
+    order: Any = np.arange(n)
+    if native:
+        order = to_file[to_file < n]
     x = ca.SX.sym("x", n)
     parameters = ca.SX.sym("data", len(model.data))
-    every = ca.SX(len(variables), 1)
-    every[[*order.tolist(), *range(n, len(variables))]] = ca.vertcat(x, parameters)
-    written = ca.Function("file", [ca.vertcat(*file.x)], [file.f, ca.vertcat(*file.g)])
-    f, g = written(every[to_file.tolist()])
-    sided = np.flatnonzero((lowest != highest) & (not native))
-    sides = ca.Function("sides", [x, parameters], [g[sided.tolist()]])
-    slack = ca.SX.sym("slack", sided.size)
+    symbols = ca.SX(len(variables), 1)
+    symbols[[*order.tolist(), *range(n, len(variables))]] = ca.vertcat(x, parameters)
+    file_functions = ca.Function("file", [ca.vertcat(*file.x)], [file.f, ca.vertcat(*file.g)])
+    f, g = file_functions(symbols[to_file.tolist()])
+    inequalities = np.flatnonzero((lowest != highest) & (not native))
+    inequality_values = ca.Function("sides", [x, parameters], [g[inequalities.tolist()]])
+    slack = ca.SX.sym("slack", inequalities.size)
     bounds = None
     if native:
         bounds = lowest, highest
     else:
         g -= np.where(lowest == highest, lowest, 0.0)
-        g[sided.tolist()] -= slack
+        g[inequalities.tolist()] -= slack
     expressions = Expressions(ca.vertcat(x, slack), p=parameters, f=f, g=g)
 
     def ask(
         guess: FloatArray, data: FloatArray, lower: FloatArray, upper: FloatArray, seconds: float
     ) -> EngineResult:
         begin = guess[order]
-        low, high = lower[order], upper[order]
+        low = lower[order]
+        high = upper[order]
         if not native:
             begin = np.clip(begin, low, high)
-            slacks = np.asarray(sides(begin, data)).ravel()
-            begin = np.append(begin, np.clip(slacks, lowest[sided], highest[sided]))
-            low, high = np.append(low, lowest[sided]), np.append(high, highest[sided])
+            slacks = np.asarray(inequality_values(begin, data)).ravel()
+            begin = np.append(begin, np.clip(slacks, lowest[inequalities], highest[inequalities]))
+            low = np.append(low, lowest[inequalities])
+            high = np.append(high, highest[inequalities])
         magnitude = 1.0 + float(np.abs(data).sum())
         program = Program(expressions, data, low, high, magnitude=magnitude, bounds=bounds)
         result = engine(program, begin, seconds)
         point = np.empty(n)
         point[order] = result.x[:n]
-        duals = None if result.duals is None else result.duals[rows]
+        duals = result.duals
+        if duals is not None:
+            duals = duals[rows]
         return result._replace(x=point, duals=duals)
 
     return ask

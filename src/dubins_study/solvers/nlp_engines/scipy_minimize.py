@@ -37,7 +37,9 @@ def slsqp(options: OptionValues) -> NlpCall:
 
     def run(program: Program, guess: FloatArray, seconds: float) -> EngineResult:
         functions = program.functions
-        limit = seconds if needs_watch(options.get("maxiter"), guess.size) else None
+        limit = None
+        if needs_watch(options.get("maxiter"), guess.size):
+            limit = seconds
         equations = {"type": "eq", "fun": functions.equations, "jac": functions.jacobian}
         result = _minimized(
             "SLSQP",
@@ -70,9 +72,11 @@ def cobyqa(options: OptionValues) -> NlpCall:
             constraints=NonlinearConstraint(program.functions.equations, 0.0, 0.0),
             options=program.attainable(options, "feasibility_tol"),
         )
-        ended = _ended("COBYQA", result, None)
-        missed = ended.claim is Claim.LOCAL and not result.success  # its own check of the violation
-        return ended._replace(claim=Claim.FAILED) if missed else ended
+        engine_result = _ended("COBYQA", result, None)
+        # `success` is its own check of the violation
+        if engine_result.claim is Claim.LOCAL and not result.success:
+            return engine_result._replace(claim=Claim.FAILED)
+        return engine_result
 
     return run
 
@@ -87,14 +91,23 @@ def trust_constr(options: OptionValues) -> NlpCall:
         from scipy.optimize import NonlinearConstraint
         from scipy.sparse import csr_array
 
-        functions = program.functions if guess.size <= _MOST_DENSE else _sparse(program)
+        functions = program.functions
+        if guess.size > _MOST_DENSE:
+            functions = _sparse(program)
+        constrained = functions.equations(guess).size > 0
+        constraints: Any = ()
+        if constrained:  # SciPy refuses an empty constraint
+            constraints = NonlinearConstraint(
+                functions.equations, 0.0, 0.0, jac=functions.jacobian, hess=functions.hessian
+            )
         none = np.zeros(0)
         zeros = csr_array((guess.size, guess.size))
-        constrained = functions.equations(guess).size > 0  # SciPy refuses an empty constraint
-        equations = NonlinearConstraint(
-            functions.equations, 0.0, 0.0, jac=functions.jacobian, hess=functions.hessian
-        )
-        constraints = equations if constrained else ()
+
+        def hessian(x: FloatArray) -> Any:
+            if constrained:  # that of the equations has the objective's curvature in it
+                return zeros
+            return functions.hessian(x, none)
+
         with warnings.catch_warnings():
             # SciPy warns of a singular Jacobian, which it then factorizes in another way
             warnings.simplefilter("ignore", UserWarning)
@@ -104,12 +117,13 @@ def trust_constr(options: OptionValues) -> NlpCall:
                 guess,
                 seconds,
                 jac=functions.gradient,
-                # that of the equations has the objective's curvature in it
-                hess=lambda x: zeros if constrained else functions.hessian(x, none),
+                hess=hessian,
                 constraints=constraints,
                 options=program.attainable(options, "gtol", "barrier_tol"),
             )
-        duals = np.asarray(result.v[0]) if constrained else None
+        duals = None
+        if constrained:
+            duals = np.asarray(result.v[0])
         return _ended("trust-constr", result, duals)
 
     return run
@@ -125,20 +139,20 @@ def _sparse(program: Program) -> Functions:
     m = functions.equations(program.lower).size
     rows, columns = entries.hessian_at
     below = rows != columns
-    both = np.hstack((entries.hessian_at, entries.hessian_at[::-1, below]))
+    both_triangles = np.hstack((entries.hessian_at, entries.hessian_at[::-1, below]))
 
     def jacobian(x: FloatArray) -> Any:
         return csr_array((entries.jacobian(x), entries.jacobian_at), shape=(m, n))
 
     def hessian(x: FloatArray, weights: FloatArray) -> Any:
         lower = entries.hessian(x, 1.0, weights)
-        return csr_array((np.append(lower, lower[below]), both), shape=(n, n))
+        return csr_array((np.append(lower, lower[below]), both_triangles), shape=(n, n))
 
     return functions._replace(jacobian=jacobian, hessian=hessian)
 
 
 def _minimized(
-    method: str, program: Program, guess: FloatArray, seconds: float | None, **given: Any
+    method: str, program: Program, guess: FloatArray, seconds: float | None, **arguments: Any
 ) -> Any:
     """SciPy's result.
 
@@ -146,20 +160,23 @@ def _minimized(
     """
     from scipy.optimize import Bounds, minimize
 
-    until = None if seconds is None else perf_counter() + seconds
+    if seconds is not None:
+        until = perf_counter() + seconds
 
-    def stop_late(*_: Any) -> None:  # its arguments depend on the method
-        if until is not None and perf_counter() > until:
-            raise StopIteration
+        def stop_late(*_: Any) -> None:  # its arguments depend on the method
+            if perf_counter() > until:
+                raise StopIteration
 
-    given["bounds"] = Bounds(program.lower, program.upper)
-    callback = None if until is None else stop_late
-    return minimize(program.functions.objective, guess, method=method, callback=callback, **given)
+        arguments["callback"] = stop_late
+    arguments["bounds"] = Bounds(program.lower, program.upper)
+    return minimize(program.functions.objective, guess, method=method, **arguments)
 
 
 def _ended(method: str, result: Any, duals: FloatArray | None) -> EngineResult:
     """SciPy's result as an `EngineResult`."""
-    name = "mode" if method == "SLSQP" else "status"
+    name = "status"
+    if method == "SLSQP":
+        name = "mode"
     native = f"{name} {result.status}"
     return EngineResult(
         result.x,

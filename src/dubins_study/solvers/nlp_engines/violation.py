@@ -55,16 +55,16 @@ def violation_slope(program: Program, x: FloatArray) -> float | None:
     functions = program.functions
     g = functions.equations(x)
     low, high = program.bounds or (np.zeros(g.size), np.zeros(g.size))
-    off = g - np.clip(g, low, high)
+    violation = g - np.clip(g, low, high)
     rows, columns = functions.entries.jacobian_at
     entries = functions.entries.jacobian(x)
-    if not (np.isfinite(g).all() and np.isfinite(entries).all() and off.any()):
+    if not (np.isfinite(g).all() and np.isfinite(entries).all() and violation.any()):
         return None
     slopes = csr_array(coo_array((entries, (rows, columns)), shape=(g.size, x.size)))
     box = np.maximum(program.lower - x, -_STEP), np.minimum(program.upper - x, _STEP)
-    shares = [_least_sum(slopes, high - g, g - low, box) / abs(off).sum()]
+    shares = [_least_sum(slopes, high - g, g - low, box) / abs(violation).sum()]
     if x.size <= _MOST and program.bounds is None:
-        shares.append(_least_length(slopes, off, box) / float(np.linalg.norm(off)))
+        shares.append(_least_length(slopes, violation, box) / float(np.linalg.norm(violation)))
     return float(np.clip(1.0 - np.nanmax([0.0, *shares]), 0.0, 1.0))
 
 
@@ -84,10 +84,12 @@ def _least_sum(
     bounds = np.concatenate([np.stack(box, axis=1), [(0.0, np.inf)] * m])
     cost = np.concatenate([np.zeros(n), np.ones(m)])
     ends = np.concatenate([above, below])
-    ended = np.flatnonzero(np.isfinite(ends))
+    finite = np.flatnonzero(np.isfinite(ends))
     options = {"time_limit": _SECONDS}
-    solved = linprog(cost, rows[ended], ends[ended], bounds=bounds, options=options)
-    return float(solved.fun) if solved.status == 0 else np.nan
+    solved = linprog(cost, rows[finite], ends[finite], bounds=bounds, options=options)
+    if solved.status != 0:
+        return np.nan
+    return float(solved.fun)
 
 
 def _least_length(slopes: csr_array, off: FloatArray, box: tuple[FloatArray, FloatArray]) -> float:

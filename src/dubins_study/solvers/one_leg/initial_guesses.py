@@ -78,10 +78,10 @@ def initial_guesses(
     target = case.target
     if question.initial_guess is not None:
         path = question.guess_in_radii
-        warm = None if path is None else _from_path(path, subproblem)
-        # a path of another word is no help
-        if warm is not None and not np.delete(warm, subproblem.free).any():
-            yield warm
+        if path is not None:
+            warm = _from_path(path, subproblem)
+            if not np.delete(warm, subproblem.free).any():  # a path of another word is no help
+                yield warm
         if kind == "given":
             return
     if kind == "zero":
@@ -111,7 +111,9 @@ def _words_of(subproblem: Subproblem, both: bool) -> list[str]:
     """
     name = subproblem.name
     words = [word for word in WORDS if -1 < name.find(word[0]) < name.find(word[1])]
-    return [word for word in words if word[0] == name[0]] if both else words
+    if not both:
+        return words
+    return [word for word in words if word[0] == name[0]]
 
 
 def suffices(question: Question, subproblem: Subproblem, kind: str, z: FloatArray) -> bool:
@@ -140,7 +142,9 @@ def bearing_guesses(case: Case, prescribed: bool) -> Iterator[tuple[float, float
         facing = math.atan2(Y - 1, X) + math.pi / 2
         beyond = min(max(math.hypot(X, Y - 1) - 1, 0.0), 2.0)
         long = min(max(TWO_PI - beyond * math.pi / 2, _LEAST_SECOND), _LONGEST_SECOND)
-        arcs = _EITHER_SECOND_ARC if prescribed else [(a, long) for a in _LONG_SECOND_ARC]
+        arcs = tuple((aside, long) for aside in _LONG_SECOND_ARC)
+        if prescribed:
+            arcs = _EITHER_SECOND_ARC
         for aside, second in arcs:
             yield (facing + aside) % TWO_PI, second, 0.0
         return
@@ -148,8 +152,9 @@ def bearing_guesses(case: Case, prescribed: bool) -> Iterator[tuple[float, float
         yield _toward(case.target)
         return
     bearing = math.atan2(Y, X)
-    signed = bearing if free[0] == 0 else -bearing
-    facing = signed % TWO_PI
+    if free[0] != 0:
+        bearing = -bearing
+    facing = bearing % TWO_PI
     if min(facing, TWO_PI - facing) < _STRAIGHT:
         yield 0.0, 0.0, distance
         return
@@ -173,10 +178,14 @@ def _first(case: Case, word: str, prescribed: bool) -> FloatArray:
     Shape (3,), in the case's order of turns.
     """
     mirrored = case.subproblem.mirrored
-    target = case.target.mirrored if mirrored else case.target
-    of_word = case_of(word, target)
-    point = np.array(next(bearing_guesses(of_word, prescribed))) * of_word.subproblem.mask
-    return point if mirrored == of_word.subproblem.mirrored else point[[1, 0, 2]]
+    target = case.target
+    if mirrored:
+        target = target.mirrored
+    word_case = case_of(word, target)
+    point = np.array(next(bearing_guesses(word_case, prescribed))) * word_case.subproblem.mask
+    if mirrored == word_case.subproblem.mirrored:
+        return point
+    return point[[1, 0, 2]]
 
 
 def _from_path(path: Path, subproblem: Subproblem) -> FloatArray:

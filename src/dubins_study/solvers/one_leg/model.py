@@ -41,7 +41,9 @@ class Subproblem:
     @property
     def turns(self) -> tuple[float, float, float]:
         """Curvature of the three pieces at unit radius."""
-        return (-1.0, 1.0, 0.0) if self.mirrored else (1.0, -1.0, 0.0)
+        if self.mirrored:
+            return (-1.0, 1.0, 0.0)
+        return (1.0, -1.0, 0.0)
 
 
 # The paper's Algorithm 1, step 3, fixes z2 = 0 for LS and z1 = 0 for RS.
@@ -64,8 +66,11 @@ def formulation(model: str, order: str) -> str:
 
     It follows from a choice of `MODELS` and `ORDERS`.
     """
-    orders = "both orders" if order == "both" else order
-    return f"joint NLP, {orders}" if model == "joint" else "one NLP a word"
+    if model != "joint":
+        return "one NLP a word"
+    if order == "both":
+        return "joint NLP, both orders"
+    return f"joint NLP, {order}"
 
 
 class Case(NamedTuple):
@@ -85,7 +90,9 @@ class Case(NamedTuple):
         """Upper bounds of z, shape (3,), in radii."""
         # A path with a full turn in it is never shortest, so the cap, which the paper does not
         # have, removes local minima and no optimum (docs/derivation.md, section 7).
-        arc = TWO_PI if self.capped else math.inf
+        arc = math.inf
+        if self.capped:
+            arc = TWO_PI
         return np.where(self.subproblem.mask, (arc, arc, math.inf), 0.0)
 
 
@@ -95,8 +102,9 @@ def case_of(name: str, target: Local) -> Case:
     `target` is in body coordinates.
     """
     subproblem = SUBPROBLEMS[name]
-    case_target = target.mirrored if subproblem.mirrored else target
-    return Case(subproblem, case_target)
+    if subproblem.mirrored:
+        target = target.mirrored
+    return Case(subproblem, target)
 
 
 class PosedLeg(NamedTuple):
@@ -133,7 +141,8 @@ def end_point(z1: Any, th: Any, z3: Any, functions: Any, R: Any = 1.0) -> tuple[
     The path turns left by z1, then right to the final heading th, and goes straight for z3. The
     values are numbers or variables of any interface; `functions` has its `sin` and `cos`.
     """
-    sin, cos = functions.sin, functions.cos
+    sin = functions.sin
+    cos = functions.cos
     x = R * (2 * sin(z1) - sin(th)) + z3 * cos(th)
     return x, R * (1 - 2 * cos(z1) + cos(th)) + z3 * sin(th)
 
@@ -155,7 +164,8 @@ def jacobian(z: Lengths) -> FloatArray:
     """
     z1, z2, z3 = z
     th = z1 - z2
-    cos, sin = math.cos(th), math.sin(th)
+    cos = math.cos(th)
+    sin = math.sin(th)
     return np.array(
         (
             (cos + z3 * sin - 2 * math.cos(z1), -cos - z3 * sin, -cos),
@@ -171,7 +181,8 @@ def hessian(z: Lengths, weights: FloatArray) -> FloatArray:
     """
     z1, z2, z3 = z
     th = z1 - z2
-    cos, sin = math.cos(th), math.sin(th)
+    cos = math.cos(th)
+    sin = math.sin(th)
     wx, wy = weights
     bend = wx * (z3 * cos - sin) + wy * (z3 * sin + cos)
     slide = wx * sin - wy * cos

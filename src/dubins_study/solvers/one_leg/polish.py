@@ -60,7 +60,9 @@ def meet_target(
     first = None
     for name in (word, *(other for other in words if other != word)):
         case = case_of(name, target)
-        turns = z[[1, 0, 2]] if case.subproblem.mirrored else z
+        turns = z
+        if case.subproblem.mirrored:
+            turns = z[[1, 0, 2]]
         point, miss = polish(case, turns)
         polished = Polished(point, miss, miss <= rounding)
         if polished.meets and abs(point.sum() - z.sum()) <= _NEAR * (1 + z.sum()):
@@ -113,18 +115,18 @@ def polish(case: Case, z: FloatArray) -> tuple[FloatArray, float]:
     X, Y, _ = case.target
     free = list(case.subproblem.free)
     upper = case.upper[free]
-    at = np.clip(z, 0.0, case.upper)
-    residual = equations(at, X, Y)
+    current = np.clip(z, 0.0, case.upper)
+    residual = equations(current, X, Y)
     for _ in range(_STEPS):
-        step = np.linalg.lstsq(jacobian(at)[:, free], -residual, rcond=None)[0]
+        step = np.linalg.lstsq(jacobian(current)[:, free], -residual, rcond=None)[0]
         for halving in range(_HALVINGS):
-            ahead = at.copy()
-            ahead[free] = np.clip(at[free] + step * 0.5**halving, 0.0, upper)
-            residual_ahead = equations(ahead, X, Y)
-            if np.hypot(*residual_ahead) < np.hypot(*residual):
-                at = ahead
-                residual = residual_ahead
+            trial = current.copy()
+            trial[free] = np.clip(current[free] + step * 0.5**halving, 0.0, upper)
+            trial_residual = equations(trial, X, Y)
+            if np.hypot(*trial_residual) < np.hypot(*residual):
+                current = trial
+                residual = trial_residual
                 break
         else:
             break
-    return at, float(np.hypot(*residual))
+    return current, float(np.hypot(*residual))

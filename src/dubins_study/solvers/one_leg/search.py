@@ -43,14 +43,14 @@ def searched(
     def length(z: FloatArray) -> float:
         return float(z.sum())
 
-    def of(case: Case) -> Attempts[FloatArray, FloatArray]:
+    def attempts(case: Case) -> Attempts[FloatArray, FloatArray]:
         def enough(run: Run[FloatArray]) -> bool:
             return suffices(posed.question, case.subproblem, kind, run.point)
 
         run = timed(case.subproblem.name, partial(solve, case), length)
         return Attempts(guesses(case), run, enough)
 
-    return _chosen(posed, run_attempts(map(of, posed.cases), until))
+    return _chosen(posed, run_attempts(map(attempts, posed.cases), until))
 
 
 def _chosen(posed: PosedLeg, runs: list[Run[FloatArray]]) -> Solution:
@@ -68,13 +68,18 @@ def _chosen(posed: PosedLeg, runs: list[Run[FloatArray]]) -> Solution:
     duals = best.result.duals
     multipliers = None
     if duals is not None:
-        sides = (1, -1) if subproblem.mirrored else (1, 1)
+        sides = (1, 1)
+        if subproblem.mirrored:
+            sides = (1, -1)
         multipliers = in_world(scenario, np.multiply(sides, duals[:2]))
     # a point that its engine calls infeasible is no path, and some engines return no numbers when
     # they fail
-    pathless = claim in DENIALS or bool(np.isnan(best.point).all())
-    path = None if pathless else as_path(scenario, subproblem, best.point)
-    claimed_length = best.length * scenario.radius if claim is Claim.LOCAL else None
+    path = None
+    if claim not in DENIALS and not np.isnan(best.point).all():
+        path = as_path(scenario, subproblem, best.point)
+    claimed_length = None
+    if claim is Claim.LOCAL:
+        claimed_length = best.length * scenario.radius
     return Solution(
         claim,
         path=path,

@@ -83,7 +83,9 @@ def pyomo_model(shape: Shape) -> Any:
     m = pyo.ConcreteModel(name="dubins-2.2")
     m.tau = ContinuousSet(initialize=range(n * legs + 1))
     m.elements = pyo.RangeSet(n * legs)
-    timed = pyo.RangeSet(legs) if equal else m.elements
+    timed = m.elements
+    if equal:
+        timed = pyo.RangeSet(legs)
     m.duration = pyo.Var(timed, bounds=(0, None), initialize=1.0)
     m.turn = pyo.Var(m.elements, initialize=0.0)
     m.data = pyo.Var(range(2 * legs + final), initialize=1.0)
@@ -96,7 +98,9 @@ def pyomo_model(shape: Shape) -> Any:
         state[0].fix(0.0)
 
     def length(e: int) -> Any:
-        return m.duration[(e - 1) // n + 1] / n if equal else m.duration[e]
+        if equal:
+            return m.duration[(e - 1) // n + 1] / n
+        return m.duration[e]
 
     times = {tau: math.ceil(tau) for tau in m.tau if tau > 0}
     m.east = pyo.Constraint(
@@ -152,7 +156,9 @@ class Collocation(NlpTranscription):
             The states of the guess follow its controls.
             """
             turn, length = guess.elements
-            times = length.reshape(legs, -1).sum(axis=1) if equal else length
+            times = length
+            if equal:
+                times = length.reshape(legs, -1).sum(axis=1)
             fraction = compiled.fraction
             each_turn = np.repeat(turn, fraction.size)
             each_length = np.repeat(length, fraction.size)
@@ -160,16 +166,21 @@ class Collocation(NlpTranscription):
             dx = each_length * np.cos(heading)
             dy = each_length * np.sin(heading)
             values = np.concatenate((times, turn, x, y, heading, dx, dy, each_turn))
-            lower, upper = np.full(values.size, -math.inf), np.full(values.size, math.inf)
+            lower = np.full(values.size, -math.inf)
+            upper = np.full(values.size, math.inf)
             lower[: times.size] = 0.0
             turns = slice(times.size, times.size + turn.size)
             # |a| <= h bounds both sides by 1; a branch's other bound is 0
             most = most_turn(course, n, equal)
-            lower[turns], upper[turns] = most * rates.lower, most * rates.upper
+            lower[turns] = most * rates.lower
+            upper[turns] = most * rates.upper
             result = compiled.ask(values, course.data, lower, upper, until - perf_counter())
-            driven = np.maximum(result.x[: times.size], 0.0)
-            length = np.repeat(driven / n, n) if equal else driven
+            length = np.maximum(result.x[: times.size], 0.0)
+            if equal:
+                length = np.repeat(length / n, n)
             return Transcribed(Elements(result.x[turns], length).within(rates), result)
 
-        shares = np.full((legs, n), 1 / n) if equal else None
+        shares = None
+        if equal:
+            shares = np.full((legs, n), 1 / n)
         return Template(shares, solve)

@@ -49,7 +49,9 @@ class MultipleShooting(NlpTranscription):
 
     def template(self, course: Course) -> Template:
         engine: NlpCall = self.library.load()(self.tol, self.max_iter, self.options)
-        shares = step_shares(self.n, "equal", course) if self.mesh == "equal" else None
+        shares = None
+        if self.mesh == "equal":
+            shares = step_shares(self.n, "equal", course)
         return Template(shares, partial(self._solved, engine, course))
 
     def _solved(
@@ -133,11 +135,11 @@ def expressions(n: int, signs: tuple[int, ...], equal: bool, legs: int, final: b
             leg = k // n
             gaps.append(data[2 * leg : 2 * leg + 2] - end[:2])
     variables = ca.vec(ca.vertcat(pose, control))[_POSE:]
-    stages = Stages(
-        nx=(0, *(_POSE,) * (segments - 1)),
-        nu=(len(signs) + 1,) * segments,
-        ng=tuple(2 * (k % n == n - 1) + final * (k == segments - 1) for k in range(segments)),
-    )
-    g = ca.vertcat(*gaps)
-    used_stages = None if equal else stages
-    return Expressions(variables, p=data, f=ca.sum2(length), g=g, stages=used_stages)
+    stages = None
+    if not equal:
+        stages = Stages(
+            nx=(0, *(_POSE,) * (segments - 1)),
+            nu=(len(signs) + 1,) * segments,
+            ng=tuple(2 * (k % n == n - 1) + final * (k == segments - 1) for k in range(segments)),
+        )
+    return Expressions(variables, p=data, f=ca.sum2(length), g=ca.vertcat(*gaps), stages=stages)

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from functools import partial
 from itertools import chain, islice, pairwise
 from time import perf_counter
-from typing import ClassVar, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
@@ -97,7 +97,9 @@ def transcribed(elements: Elements, result: EngineResult) -> Transcribed:
 
     The program's last two equations are those of the end point.
     """
-    duals = None if result.duals is None else result.duals[-2:]
+    duals = result.duals
+    if duals is not None:
+        duals = duals[-2:]
     return Transcribed(elements, result._replace(duals=duals))
 
 
@@ -173,20 +175,24 @@ class Transcription(EngineSolver):
             return there
         if self.initial_guess == "words" and course.target is None:
             # only the closed form knows the words of a route's legs
-            message = "the guess `words` is of one leg with a free final heading"
-            return Solution(Claim.FAILED, message=message)
+            return Solution(
+                Claim.FAILED, message="the guess `words` is of one leg with a free final heading"
+            )
         until = perf_counter() + limit
-        every = self.initial_guess == "random"
+        enough = self.initial_guess != "random"  # one solution of a subproblem
         run = partial(self._run, model)
-        each = (Attempts(guesses, run, lambda _: not every) for guesses in trials(model, self))
-        return _answer(model, run_attempts(each, until), in_time=perf_counter() <= until)
+        attempts = (Attempts(guesses, run, lambda _: enough) for guesses in trials(model, self))
+        runs = run_attempts(attempts, until)
+        return _answer(model, runs, in_time=perf_counter() <= until)
 
     def _run(self, model: PosedCourse, guess: Guess, until: float) -> Run[Elements]:
         began = perf_counter()
         course = model.course
         elements, native = model.template.solve(guess, model.rates, until)
         # a path that is optimal for a transcription is not proven for the problem itself
-        claim = Claim.LOCAL if native.claim is Claim.OPTIMAL else native.claim
+        claim = native.claim
+        if claim is Claim.OPTIMAL:
+            claim = Claim.LOCAL
         missed = math.inf
         off = math.inf
         rollouts = 0
@@ -197,8 +203,11 @@ class Transcription(EngineSolver):
             rollouts = 1
             off = missed
             if self.correct:
-                fixed = model.template.shares is not None
-                elements, off, rollouts, _ = closed(elements, model.rates, course, fixed)
+                equal = model.template.shares is not None
+                correction = closed(elements, model.rates, course, equal)
+                elements = correction.elements
+                off = correction.miss
+                rollouts = correction.rollouts
                 if claim is Claim.LOCAL and not _arrives(off, course):
                     claim = Claim.FAILED
         result = native._replace(
@@ -207,8 +216,7 @@ class Transcription(EngineSolver):
             message=f"{native.message}; missed by {missed:.1e} radii before the correction",
         )
         seconds = perf_counter() - began
-        length = elements.total
-        return Run(guess.subproblem, seconds, result, elements, length=length, miss=off)
+        return Run(guess.subproblem, seconds, result, elements, length=elements.total, miss=off)
 
 
 @dataclass(frozen=True)
@@ -264,7 +272,9 @@ def _answer(model: PosedCourse, runs: list[Run[Elements]], in_time: bool) -> Sol
     def rank(run: Run[Elements]) -> tuple[bool, bool, float]:
         return run.length > most, run.claim is not Claim.LOCAL, run.length
 
-    best = min(arrived, key=rank) if arrived else min(runs, key=lambda run: run.miss)
+    best = min(runs, key=lambda run: run.miss)
+    if arrived:
+        best = min(arrived, key=rank)
     claim = best.claim
     message = best.result.message
     if not in_time:
@@ -273,20 +283,23 @@ def _answer(model: PosedCourse, runs: list[Run[Elements]], in_time: bool) -> Sol
         # the engine gave up, or wrongly called it infeasible, but the corrected path arrives
         claim = Claim.FEASIBLE
     elif claim is not Claim.LOCAL:
-        none = {run.claim for run in runs} == {Claim.LOCALLY_INFEASIBLE}
-        claim = Claim.LOCALLY_INFEASIBLE if none else Claim.FAILED
+        claim = Claim.FAILED
+        if {run.claim for run in runs} == {Claim.LOCALLY_INFEASIBLE}:
+            claim = Claim.LOCALLY_INFEASIBLE
     path = None
+    claimed_length = None
     if math.isfinite(best.miss) and claim is not Claim.LOCALLY_INFEASIBLE:
         rate = np.clip(best.point.rate, rates.lower, rates.upper)
         path = Path(scenario.start, rate / scenario.radius, best.point.length * scenario.radius)
+        claimed_length = best.length * scenario.radius
         if claim in (Claim.LOCAL, Claim.FEASIBLE) and course.target is not None:
             reason = one_sided_only(model.question, course.target, path)
             if reason is not None:
                 claim = Claim.FAILED
                 message = reason
-    duals = best.result.duals if claim is Claim.LOCAL else None
-    claimed_length = None if path is None else best.length * scenario.radius
-    multipliers = None if duals is None else in_world(scenario, duals)
+    multipliers = None
+    if claim is Claim.LOCAL and best.result.duals is not None:
+        multipliers = in_world(scenario, best.result.duals)
     return Solution(
         claim,
         path=path,
@@ -317,40 +330,45 @@ def trials(model: PosedCourse, solver: Transcription) -> Iterator[Iterator[Guess
       length and its diameter long.
     - `given`: the question's own path only, if there is one.
     """
-    question, course, _, template = model
-    shares = template.shares
-    name = solver.initial_guess
+    question = model.question
+    course = model.course
+    shares = model.template.shares
+    kind = solver.initial_guess
     n = solver.n
     warm = _given(question, course, n, shares)
-    if name == "given" and warm:
+    if kind == "given" and warm:
         yield iter(warm)
         return
-    if name == "zero":
-        none = np.zeros(n * course.legs)
-        cold = [iter([Guess("zero", Elements(none, none))])]
-    elif name == "random":
+    if kind == "zero":
+        zeros = np.zeros(n * course.legs)
+        cold = [iter([Guess("zero", Elements(zeros, zeros))])]
+    elif kind == "random":
         cold = [_random(model, solver)]
-    elif name == "straight":
+    elif kind == "straight":
         cold = [iter([_straight(course, n, shares)])]
-    elif course.target is not None and name != "one":
+    elif course.target is not None and kind != "one":
         target = course.target
-        share = None if shares is None else shares[0]
-        most = 1 if name == "words" else None
+        most = None
+        if kind == "words":
+            most = 1
 
         def shaped(word: str) -> Iterator[Guess]:
             case = case_of(word, target)
             for z in islice(bearing_guesses(case, prescribed=False), most):
                 lengths = np.array(z) * case.subproblem.mask
                 path = Path(HERE, case.subproblem.turns, lengths)
-                yield Guess(word, cut(path, n, share))
+                yield Guess(word, _cut_legs([path], n, shares))
 
         cold = [shaped(word) for word in words(question.branch, target, solver.presolve)]
     else:
-        signs = [(np.sign(turn), 0.0, np.sign(last)) for turn, _, last in course.turned()]
-        legs = zip(signs, np.abs(course.turned()), strict=True)
-        cold = [iter([Guess("one", _cut_legs([Path(HERE, *leg) for leg in legs], n, shares))])]
+        paths = []
+        for leg in course.turned():
+            turn, _, last = np.sign(leg)
+            paths.append(Path(HERE, (turn, 0.0, last), np.abs(leg)))
+        cold = [iter([Guess("one", _cut_legs(paths, n, shares))])]
     if question.branch == "best":
-        yield from ([iter(warm)] if warm else [])
+        if warm:
+            yield iter(warm)
         yield from cold
         return
     (only,) = cold
@@ -362,7 +380,9 @@ def _cut_legs(paths: Sequence[Path], n: int, shares: FloatArray | None) -> Eleme
 
     Each path begins at heading 0.
     """
-    of_legs = shares if shares is not None else [None] * len(paths)
+    of_legs: Any = shares
+    if shares is None:
+        of_legs = [None] * len(paths)
     legs = [cut(path, n, share) for path, share in zip(paths, of_legs, strict=True)]
     return Elements(*map(np.concatenate, zip(*legs, strict=True)))
 
@@ -373,17 +393,19 @@ def _straight(course: Course, n: int, shares: FloatArray | None) -> Guess:
     The vehicle turns on the spot at the points.
     """
     ends = np.cumsum(course.steps, axis=0)
-    share = np.full((course.legs, n), 1 / n) if shares is None else shares
-    length = (share * np.hypot(*course.steps.T)[:, None]).ravel()
+    if shares is None:
+        shares = np.full((course.legs, n), 1 / n)
+    length = (shares * np.hypot(*course.steps.T)[:, None]).ravel()
     begins = np.column_stack((ends - course.steps, np.unwrap(course.bearings())))
     return Guess("straight", Elements(np.zeros(length.size), length), begins)
 
 
 def _random(model: PosedCourse, solver: Transcription) -> Iterator[Guess]:
-    question, course, rates, template = model
+    course = model.course
+    rates = model.rates
     n = solver.n
-    shares = template.shares
-    repeat = question.repeat
+    shares = model.template.shares
+    repeat = model.question.repeat
     random = np.random.default_rng((solver.seed + repeat, repeat))
     longest = (2 * np.hypot(*course.steps.T) + 2 + TWO_PI)[:, None]
     for _ in range(solver.count):  # one by one: time may be up long before the last
@@ -407,7 +429,9 @@ def _given(question: Question, course: Course, n: int, shares: FloatArray | None
     places = np.linspace(0.0, path.length, _SAMPLES * course.legs + 1)
     points = np.cumsum(course.steps, axis=0)[:-1, None]
     away = np.hypot(*(path.at(places)[:, :2] - points).T)
-    ends = np.maximum.accumulate(places[away.argmin(axis=0)]) if len(points) else places[:0]
+    ends = places[:0]
+    if len(points):
+        ends = np.maximum.accumulate(places[away.argmin(axis=0)])
     bounds = np.concatenate(([0.0], ends, [path.length]))
     begins = np.cumsum(path.lengths) - path.lengths
     legs = [

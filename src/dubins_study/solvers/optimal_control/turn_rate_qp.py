@@ -157,9 +157,12 @@ class Sequence:
         if claim is Claim.LOCAL and not self._arrived():
             claim = Claim.LOCALLY_INFEASIBLE
             status = "a dead end off the target"
-        elements, _, used, _ = corrected(self.now, self.rates, self.course)
-        self.rollouts += used
-        duals = self.duals[-1] if claim is Claim.LOCAL else None
+        correction = corrected(self.now, self.rates, self.course)
+        elements = correction.elements
+        self.rollouts += correction.rollouts
+        duals = None
+        if claim is Claim.LOCAL:
+            duals = self.duals[-1]
         result = EngineResult(
             np.append(elements.turn, elements.length),
             claim,
@@ -197,7 +200,8 @@ class Sequence:
         G[:, :, :-1] += by_before[:, :, 1:]
         lengths = now.length / unit
         turns = now.turn / unit
-        upper, lower = self.rates.upper * lengths, self.rates.lower * lengths
+        upper = self.rates.upper * lengths
+        lower = self.rates.lower * lengths
         numbers = Numbers(
             G=G * (unit / scale),
             P=by_before[:, :, 0] * (unit / scale),
@@ -238,12 +242,12 @@ class Sequence:
         if answer.slack < 1e-6 and gain < 0.7 * promised:
             # second-order correction, one step (Nocedal and Wright 2006, Numerical Optimization,
             # sec. 15.6): a good step must not fail for the linearisation's error
-            closer, _, used, bent = corrected(trial, self.rates, self.course, steps=1)
-            self.rollouts += used
-            better = before - self._merit(closer, bent)
+            correction = corrected(trial, self.rates, self.course, steps=1)
+            self.rollouts += correction.rollouts
+            better = before - self._merit(correction.elements, correction.rolled)
             if better > gain:
-                trial = closer
-                rolled = bent
+                trial = correction.elements
+                rolled = correction.rolled
                 gain = better
         if promised < self.solver.tolerance * self.now.total:
             if not answer.solved:
@@ -281,11 +285,11 @@ class Sequence:
         if self.restored:
             return False
         self.restored = True
-        elements, miss, used, _ = corrected(self.now, self.rates, self.course)
-        self.rollouts += used + 1
-        if miss > CLOSE:
+        correction = corrected(self.now, self.rates, self.course)
+        self.rollouts += correction.rollouts + 1
+        if correction.miss > CLOSE:
             return False
-        self._begin(elements)
+        self._begin(correction.elements)
         return True
 
     def _adapt(self, answer: QpAnswer, ratio: float) -> None:

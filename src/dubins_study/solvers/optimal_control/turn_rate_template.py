@@ -98,8 +98,7 @@ class QpTemplate:
         self.z = cp.Variable(N)
         self.t = cp.Variable(legs)
         self.s = cp.Variable((4, legs))
-        slacks = 2 if final else 0
-        self.s_h = cp.Variable(slacks)
+        self.s_h = cp.Variable(2 * final)
         # the shapes of the numbers, in their order
         shapes = [(2, N), *[(2, legs)] * 3, (legs,), *[(N,)] * 5, *[(1,)] * 5]
         ends = np.cumsum([np.prod(shape) for shape in shapes])
@@ -186,7 +185,9 @@ class QpTemplate:
         import cvxpy as cp
 
         # PIQP has no limit of time; its 250 iterations are short enough
-        limits: OptionValues = {} if self.engine == "piqp" else {"time_limit": seconds}
+        limits: OptionValues = {}
+        if self.engine != "piqp":
+            limits["time_limit"] = seconds
         if self.engine == "highs":  # takes about four iterations a step, or cycles without end
             limits["qp_iteration_limit"] = 20 * self.z.size + 200
         try:
@@ -215,9 +216,12 @@ def _values(array: Any) -> Any:
 
     The array is dense or sparse, and the view is writable. None if it has no such numbers.
     """
-    values = array.data if issparse(array) else array
-    floats = isinstance(values, np.ndarray) and values.dtype == np.float64
-    return values if floats and values.size else None
+    values = array
+    if issparse(array):
+        values = array.data
+    if isinstance(values, np.ndarray) and values.dtype == np.float64 and values.size:
+        return values
+    return None
 
 
 @lru_cache(maxsize=32)

@@ -111,13 +111,15 @@ def expressions(n: int, legs: int, final: bool) -> Expressions:
     share = ca.SX.sym("share", n * legs)
     final_heading = ca.SX.sym("given", int(final))
     gaps = []
-    x, y = ca.SX(0), ca.SX(0)
+    x = ca.SX(0)
+    y = ca.SX(0)
     heading = ca.SX(0)
     for k in range(n * legs):
         leg = k // n
         length = share[k] * whole[leg]
         along, across = chord(heading, rate[k] * length, length)
-        x, y = x + along, y + across
+        x = x + along
+        y = y + across
         heading = heading + rate[k] * length
         if k % n == n - 1:
             gaps.append(points[2 * leg : 2 * leg + 2] - ca.vertcat(x, y))

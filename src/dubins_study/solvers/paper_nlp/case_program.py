@@ -38,8 +38,12 @@ def program(case: Case) -> Program:
     free = case.subproblem.free
     unit = case.unit
     scaled = unit != 1.0
-    parameters = (X, Y, 1.0) if scaled else (X, Y)
-    written = None if scaled else _written(case)
+    parameters = [X, Y]
+    written = None
+    if scaled:
+        parameters.append(1.0)
+    else:
+        written = _written(case)
     return Program(
         partial(expressions, free, scaled),
         p=unit * np.array(parameters),
@@ -57,8 +61,9 @@ def solve(case: Case, guess: FloatArray, seconds: float, engine: NlpCall) -> Eng
     """
     free = list(case.subproblem.free)
     result = engine(program(case), case.unit * guess[free], seconds)
-    empty = np.nan if np.isnan(result.x).all() else 0.0  # NaN where there is no point
-    z = np.full(3, empty)
+    z = np.zeros(3)
+    if np.isnan(result.x).all():  # there is no point
+        z[:] = np.nan
     z[free] = result.x / case.unit
     return result._replace(x=z)
 
@@ -86,10 +91,13 @@ def expressions(free: tuple[int, ...], scaled: bool) -> Expressions:
     import casadi
 
     x = casadi.SX.sym("z", len(free))
-    parameters = 3 if scaled else 2
-    p = casadi.SX.sym("p", parameters)
-    R = p[2] if scaled else casadi.SX(1)
-    z = [x[free.index(i)] if i in free else casadi.SX(0) for i in range(3)]
+    p = casadi.SX.sym("p", 2 + scaled)
+    R = casadi.SX(1)
+    if scaled:
+        R = p[2]
+    z = [casadi.SX(0)] * 3
+    for place, i in enumerate(free):
+        z[i] = x[place]
     x_end, y_end = end_point(z[0] / R, (z[0] - z[1]) / R, z[2], casadi, R)
     gaps = casadi.vertcat(p[0] - x_end, p[1] - y_end)
     return Expressions(x, p, f=casadi.sum1(x), g=gaps)

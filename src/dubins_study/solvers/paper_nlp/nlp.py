@@ -110,7 +110,9 @@ class PaperNlp(EngineSolver):
 
     def build(self, question: Question) -> PosedNlp:
         leg = posed_leg(question, self.model, self.order, self.presolve)
-        unit = question.scenario.radius if self.units == "scenario" else 1.0
+        unit = 1.0
+        if self.units == "scenario":
+            unit = question.scenario.radius
         cases = [case._replace(capped=self.capped, unit=unit) for case in leg.cases]
         return PosedNlp(leg._replace(cases=cases), self.adapter())
 

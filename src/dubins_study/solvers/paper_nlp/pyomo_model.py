@@ -5,7 +5,6 @@ They are for Ipopt and for KNITRO.
 
 from __future__ import annotations
 
-import math
 from functools import cache, lru_cache
 from typing import Any
 
@@ -33,11 +32,12 @@ def pyomo_model(units: str = "radius") -> Any:
     m.z = environ.Var((1, 2, 3), bounds=(0, None), initialize=1.0)
     m.X = environ.Var(initialize=1.0)
     m.Y = environ.Var(initialize=1.0)
-    z1, z2, z3 = m.z[1], m.z[2], m.z[3]
+    z1, z2, z3 = m.z.values()
     R: Any = 1.0
     if units == "scenario":
         R = m.R = environ.Var(initialize=1.0)
-        z1, z2 = z1 / R, z2 / R
+        z1 = z1 / R
+        z2 = z2 / R
     x, y = end_point(z1, z1 - z2, z3, environ, R)
     m.x_end = environ.Constraint(expr=m.X - x == 0)
     m.y_end = environ.Constraint(expr=m.Y - y == 0)
@@ -83,8 +83,7 @@ def posed(case: Case, guess: FloatArray) -> Any:
     """
     model = _shared_model()
     for i, z in enumerate(model.z.values()):
-        bound = case.upper[i] if math.isfinite(case.upper[i]) else None
-        z.setub(bound)
+        z.setub(case.upper[i])  # Pyomo takes an infinite bound for none
         z.set_value(guess[i], skip_validation=True)
         z.fixed = i not in case.subproblem.free
     model.X.fix(case.target.X)
@@ -133,8 +132,9 @@ def solve_in_pyomo(case: Case, guess: FloatArray, seconds: float, interface: str
     except (ApplicationError, PyomoException, RuntimeError) as error:  # the last from KNITRO
         return no_point(3, Claim.FAILED, type(error).__name__, str(error))
     condition = results.termination_condition.name
-    counted = "number_iters" in results.extra_info
-    iterations = int(results.extra_info.number_iters) if counted else None
+    iterations = None
+    if "number_iters" in results.extra_info:
+        iterations = int(results.extra_info.number_iters)
     return _ended(
         model,
         results.solution_loader,
@@ -159,8 +159,9 @@ def _ended(
         values = loader.get_vars(free)
     except (PyomoException, AssertionError, LookupError):
         # each loader reports a missing point in its own way; some claims need no point
-        pointless = claim if claim in (*DENIALS, Claim.LIMIT) else Claim.FAILED
-        return no_point(3, pointless, status, message)
+        if claim not in (*DENIALS, Claim.LIMIT):
+            claim = Claim.FAILED
+        return no_point(3, claim, status, message)
     z = np.array([0.0 if z.fixed else values[z] for z in model.z.values()])
     try:
         of_row = loader.get_duals([model.x_end, model.y_end])

@@ -75,12 +75,16 @@ class HeadingMilp(EngineSolver):
         run = Run("grid", perf_counter() - began, result, result.x, bound=proven.bound)
         end = tour_run(graph, proven)
         if end.tour is None:
-            claim = Claim.LIMIT if run.claim is Claim.LIMIT else Claim.FAILED
+            claim = Claim.FAILED
+            if run.claim is Claim.LIMIT:
+                claim = Claim.LIMIT
             return Solution(claim, message=result.status, **spent([run]))
         order = list(range(graph.places.count))
         path = tour_path(scenario, graph.places, order, graph.headings[end.tour])
         bound = f"{self.library.label}'s bound {run.bound * scenario.radius:.9g}"
-        claim = Claim.LOCAL if run.claim is Claim.OPTIMAL else Claim.FEASIBLE
+        claim = Claim.FEASIBLE
+        if run.claim is Claim.OPTIMAL:
+            claim = Claim.LOCAL
         return Solution(
             claim,
             path=path,

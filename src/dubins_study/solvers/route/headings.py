@@ -118,11 +118,13 @@ class Headings(SearchSolver):
             return there
         trace: Trace = []
         runs = list(self._runs(route, question.repeat, perf_counter() + limit, trace))
-        begun = [run for run in runs if np.isfinite(run.length)]
-        if not begun:
+        runs_with_length = [run for run in runs if np.isfinite(run.length)]
+        if not runs_with_length:
             return nothing_found(runs)
-        best = min(begun, key=lambda run: run.length)
-        claim = Claim.LOCAL if best.claim is Claim.LOCAL else Claim.FEASIBLE
+        best = min(runs_with_length, key=lambda run: run.length)
+        claim = Claim.FEASIBLE
+        if best.claim is Claim.LOCAL:
+            claim = Claim.LOCAL
         return Solution(
             claim,
             path=_path(scenario, route, best.point),
@@ -143,7 +145,9 @@ class Headings(SearchSolver):
         solve = partial(self._solved, route, random, trace)
         run = timed("headings", solve, partial(route_length, route))
         is_random = self.initial_guess == "random" and route.unknowns > 0
-        count = self.count if is_random else 1
+        count = 1
+        if is_random:
+            count = self.count
         for _ in range(count):
             if perf_counter() > until:
                 return
@@ -165,8 +169,9 @@ class Headings(SearchSolver):
         The guess and the result hold the unknown headings, (k,).
         """
         if route.unknowns == 0:
-            message = "no heading is unknown"
-            return EngineResult(guess, Claim.FEASIBLE, evaluations=1, message=message)
+            return EngineResult(
+                guess, Claim.FEASIBLE, evaluations=1, message="no heading is unknown"
+            )
         if self.library.kind == NLP:
             return self._descend(route, trace, guess, seconds)
         return self._search(route, random, trace, guess, seconds)
@@ -258,7 +263,9 @@ def _add(trace: Trace, run: CountedFunction, low: FloatArray | float) -> None:
     Its evaluations come after all those before it.
     """
     if run.trace:
-        before = trace[-1][0] if trace else 0
+        before = 0
+        if trace:
+            before = trace[-1][0]
         trace += [(before + count, low + point) for count, point in run.trace]
         trace.append((before + run.evaluations, trace[-1][1]))
 
@@ -282,10 +289,8 @@ def program(route: Route, functions: Functions | None = None) -> Program:
 
     They have no bounds.
     """
-    k = route.unknowns
-    free = np.full(k, np.inf)
-    written = functions or _functions(route)
-    return Program(_no_expressions, free[:0], -free, free, written)
+    free = np.full(route.unknowns, np.inf)
+    return Program(_no_expressions, free[:0], -free, free, functions or _functions(route))
 
 
 def _no_expressions() -> Expressions:

@@ -123,11 +123,13 @@ class RouteNlp(EngineSolver):
 
     @property
     def method(self) -> Method:
-        words = self.model == "words"
-        posed = "one NLP a word" if words else "joint NLP, LRSLR a leg"
+        posed = "joint NLP, LRSLR a leg"
+        knows = ""
+        if self.model == "words":
+            posed = "one NLP a word"
+            knows = "formula"  # the words come from the closed form, by a dynamic program
         method = self.library.method(posed, self.initial_guess, self.options, self.tol)
-        # the words come from the closed form, by a dynamic program
-        return method._replace(knows="formula") if words else method
+        return method._replace(knows=knows)
 
     def build(self, question: Question) -> PosedRoute:
         route = route_of(question.scenario)
@@ -140,23 +142,21 @@ class RouteNlp(EngineSolver):
         return PosedRoute(question, route, places, program(route, places), known)
 
     def solve(self, model: PosedRoute, limit: float) -> Solution:
-        question = model.question
-        program = model.program
         places = model.places
         # at zero no constraint qualification holds, as in (4.12)
-        if there := at_start(question.scenario, model.route.target):
+        if there := at_start(model.question.scenario, model.route.target):
             return there
         engine: NlpCall = self.library.load()(self.tol, self.max_iter, self.options)
 
         def solve(guess: FloatArray, seconds: float) -> EngineResult:
-            return engine(program, _unknowns_of(guess, places), seconds)
+            return engine(model.program, _unknowns_of(guess, places), seconds)
 
         def length(x: FloatArray) -> float:
             return float(_arcs(x, places).sum())
 
-        guesses = self._guesses(model)
+        run = timed(self.model, solve, length)
         enough = self.initial_guess == "bearing"  # of the other kinds every guess is tried
-        attempts = Attempts(guesses, timed(self.model, solve, length), lambda _: enough)
+        attempts = Attempts(self._guesses(model), run, lambda _: enough)
         return _answer(model, run_attempts([attempts], perf_counter() + limit))
 
     def first_guess(self, model: PosedRoute) -> FloatArray:
@@ -193,18 +193,20 @@ def _answer(model: PosedRoute, runs: list[Run[FloatArray]]) -> Solution:
     if not runs:
         return nothing_found(runs)
     scenario = model.question.scenario
-    places = model.places
     equations = model.program.functions.equations
     best, claim = best_run_and_claim(runs, lambda run: float(np.abs(equations(run.point)).sum()))
     n = model.route.legs
     duals = best.result.duals
     path = None
     if claim is not Claim.LOCALLY_INFEASIBLE and np.isfinite(best.point).all():
-        arcs = _driven(_arcs(best.point, places))
+        arcs = _driven(_arcs(best.point, model.places))
         path = path_of(scenario, _TURNS * n, arcs.ravel().tolist())
-    claimed_length = best.length * scenario.radius if claim is Claim.LOCAL else None
-    # those of the last leg's end
-    multipliers = None if duals is None else tuple(duals[3 * n - 2 : 3 * n])
+    claimed_length = None
+    if claim is Claim.LOCAL:
+        claimed_length = best.length * scenario.radius
+    multipliers = None
+    if duals is not None:
+        multipliers = tuple(duals[3 * n - 2 : 3 * n])  # those of the last leg's end
     return Solution(
         claim,
         path=path,
@@ -222,15 +224,16 @@ def program(route: Route, places: Places = ()) -> Program:
     one for a final heading. Without `places` all arcs are unknown.
     """
     places = places or (_ALL,) * route.legs
-    ends = [route.first] if route.last is None else [route.first, route.last]
     upper = np.where(_ARCS, TWO_PI, math.inf)
     highest = np.tile([*upper, math.inf], route.legs)
     lowest = np.tile([*np.zeros(_ARCS.size), -math.inf], route.legs)
     known = any(leg != _ALL for leg in places)
-    turns = [_TURNS[place] for leg in places for place in leg] if known else []
+    turns = [_TURNS[place] for leg in places for place in leg]
+    if not known:
+        turns = []
     return Program(
         expressions(tuple(map(len, places)), route.last is not None, known),
-        np.concatenate((route.steps.ravel(), ends, turns)),
+        np.concatenate((route.steps.ravel(), route.given_headings, turns)),
         _unknowns_of(lowest, places),
         _unknowns_of(highest, places),
         magnitude=float(np.hypot(*route.steps.T).max()),
@@ -252,14 +255,17 @@ def expressions(arcs: tuple[int, ...], final_heading: bool, known: bool) -> Expr
     n = sum(arcs)
     x = casadi.SX.sym("x", n + legs)
     p = casadi.SX.sym("p", 2 * legs + 1 + final_heading + n * known)
-    turns: Any = casadi.vertsplit(p[p.numel() - n :]) if known else _TURNS * legs
+    turns: Any = _TURNS * legs
+    if known:
+        turns = casadi.vertsplit(p[p.numel() - n :])
     unknown = iter(casadi.vertsplit(x))
     turned = iter(turns)
     heading = p[2 * legs]
     length = casadi.SX(0)
     equations = []
     for leg, count in enumerate(arcs):
-        along, across = 0, 0
+        along = 0
+        across = 0
         after = heading
         for _ in range(count):
             arc = next(unknown)

@@ -126,18 +126,19 @@ class Penalty(SearchSolver):
                 initial_guesses(question, case, self.initial_guess, seed=seed, count=self.count)
             )
         for guess in guesses:
-            at = guess
+            begin = guess
             weight = self.weight
             for _ in range(self.rounds):
                 if perf_counter() > until:
                     return
-                run = self._search(case, weight, at, random, until)
+                run = self._search(case, weight, begin, random, until)
                 yield run
                 z = run.result.x
                 if _miss(case, z) <= _SHORT:
                     break
                 weight *= _GROWTH
-                at = z if self.guided else None
+                if self.guided:
+                    begin = z
 
     def _search(
         self,
@@ -180,18 +181,20 @@ def _answer(scenario: Scenario, runs: list[Run[FloatArray]]) -> Solution:
     It is the shortest path that arrives. If none does, it is the one that ends nearest to the
     target.
     """
-    begun = [run for run in runs if np.isfinite(run.point).all()]
-    if not begun:
+    runs_with_point = [run for run in runs if np.isfinite(run.point).all()]
+    if not runs_with_point:
         return nothing_found(runs)
     allowed = max(ARRIVES, coordinate_rounding(scenario))
-    arriving = [run for run in begun if run.miss <= allowed]
-    stopped = {run.claim for run in begun} == {Claim.LIMIT}
-    claim = Claim.LIMIT if stopped else Claim.FAILED
-    best = min(begun, key=lambda run: run.miss)
+    arriving = [run for run in runs_with_point if run.miss <= allowed]
+    claim = Claim.FAILED
+    if {run.claim for run in runs_with_point} == {Claim.LIMIT}:
+        claim = Claim.LIMIT
+    best = min(runs_with_point, key=lambda run: run.miss)
+    claimed_length = None
     if arriving:
         claim = Claim.FEASIBLE
         best = min(arriving, key=lambda run: run.length)
-    claimed_length = best.length * scenario.radius if arriving else None
+        claimed_length = best.length * scenario.radius
     return Solution(
         claim,
         path=as_path(scenario, SUBPROBLEMS[best.subproblem], best.point),

@@ -233,11 +233,14 @@ def scipy_search(options: OptionValues, name: str) -> Search:
     def run(task: Task) -> str:
         from scipy import optimize
 
-        function = task.function.at_each if options.get("vectorized") else task.function
+        function: Any = task.function
+        if options.get("vectorized"):
+            function = task.function.at_each
         arguments = _LIMITS[name](task) | options
         message = getattr(optimize, name)(function, task.bounds, **arguments).message
-        text = message[0] if isinstance(message, list) else message
-        return str(text)
+        if isinstance(message, list):
+            return str(message[0])
+        return str(message)
 
     return run
 

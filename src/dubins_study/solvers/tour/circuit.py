@@ -107,10 +107,9 @@ def _circuit(graph: Graph) -> Circuit:
     from ortools.sat.python import cp_model
 
     program = cp_model.CpModel()
-    arcs = list(zip(graph.tails.tolist(), graph.heads.tolist(), strict=True))
-    literals = [program.new_bool_var("") for _ in arcs]
+    literals = [program.new_bool_var("") for _ in graph.tails]
     skipped = [program.new_bool_var("") for _ in graph.owner]
-    circuit = [(tail, head, literal) for (tail, head), literal in zip(arcs, literals, strict=True)]
+    circuit = list(zip(graph.tails.tolist(), graph.heads.tolist(), literals, strict=True))
     circuit += [(node, node, literal) for node, literal in enumerate(skipped)]
     program.add_circuit(circuit)
     for place in range(graph.places.count):

@@ -31,8 +31,10 @@ def euclidean_order(places: Places, until: float) -> list[int]:
     if len(via) > _MOST_EXACT:
         return _improved(places, [0, *_nearest(between, via), *last], until)
     ends = np.zeros(m)
-    if last or places.closed:
-        ends = between[:, (m - 1) * places.with_target]  # the target or the start
+    if places.with_target:
+        ends = between[:, m - 1]
+    elif places.closed:
+        ends = between[:, 0]
     order = _exact(between[0, via], between[np.ix_(via, via)], ends[via])
     return [0, *(via[i] for i in order), *last]
 

@@ -91,6 +91,7 @@ def graph_of(question: Question, count: int, costs: str) -> Graph:
     grid = places.headings(count)
     owner = np.repeat(np.arange(places.count), [each.size for each in grid])
     begin = np.searchsorted(owner, np.arange(places.count))
+    halves = np.where([heading is None for heading in places.given], math.pi / count, 0.0)
     tails = []
     heads = []
     lengths = []
@@ -99,8 +100,7 @@ def graph_of(question: Question, count: int, costs: str) -> Graph:
         if j == 0 and not places.closed:  # an open tour does not go back to its start
             block = np.zeros((grid[i].size, grid[j].size))
         elif costs == BOUNDS:
-            halves = [0.0 if places.given[k] is not None else math.pi / count for k in (i, j)]
-            block = _bounds(step, (grid[i], halves[0]), (grid[j], halves[1]))
+            block = _bounds(step, (grid[i], halves[i]), (grid[j], halves[j]))
         else:
             [block] = layers_between([grid[i], grid[j]], step[None]).lengths
         before, after = np.indices(block.shape).reshape(2, -1)
@@ -134,8 +134,8 @@ def _bounds(
     for headings, half in (first, last):
         middles = np.remainder(headings + math.pi, TWO_PI) - math.pi
         # the remainder's rounding grows with the heading
-        wide = half + OVERLAP * (1.0 + np.abs(headings))
-        ends.append((middles, wide, np.zeros(middles.size)))
+        half_widths = half + OVERLAP * (1.0 + np.abs(headings))
+        ends.append((middles, half_widths, np.zeros(middles.size)))
     live = np.ones((first[0].size, last[0].size), np.int8)
     bounds = np.empty(live.shape)
     bound_leg(step, *ends, live, bounds, np.empty(live.shape, np.int8))
@@ -189,7 +189,9 @@ def answered(graph: Graph, end: TourRun, seconds: float, polish: bool) -> Soluti
     if graph.of_bounds and 0.0 < end.bound < math.inf:
         lower_bound = end.bound * (1.0 - _SAFE) * scenario.radius
     if end.tour is None:
-        claim = Claim.LIMIT if end.claim is not Claim.FAILED else Claim.FAILED
+        claim = Claim.LIMIT
+        if end.claim is Claim.FAILED:
+            claim = Claim.FAILED
         message = f"no tour; {_bound_text(graph, end)}"
         return Solution(claim, lower_bound=lower_bound, message=message, **spent([run]))
     order = graph.owner[end.tour].tolist()
@@ -198,15 +200,17 @@ def answered(graph: Graph, end: TourRun, seconds: float, polish: bool) -> Soluti
         headings = np.append(headings, headings[0])
     if graph.of_bounds:
         headings = headings_on_grid(places, order, graph.per_place)
+    message = _bound_text(graph, end)
     if polish:
         headings = polished(places, order, headings, graph.per_place)
+        message += "; then polished"
     path = tour_path(scenario, places, order, headings)
     return Solution(
         Claim.FEASIBLE,
         path=path,
         claimed_length=path.length,
         lower_bound=lower_bound,
-        message=_bound_text(graph, end) + "; then polished" * polish,
+        message=message,
         **spent([run], run),
     )
 

@@ -52,7 +52,9 @@ def program_of(graph: Graph, model: str) -> LinearProgram:
     i, j = graph.pairs
     leave = _ones(graph.tails, arcs, nodes)
     reach = _ones(graph.heads, arcs, nodes)
-    passed = 1 if graph.places.in_order else places  # the rows of the others follow from the first
+    passed = places
+    if graph.places.in_order:
+        passed = 1  # the rows of the others follow from the first
     once = np.concatenate((np.zeros(nodes), np.ones(passed)))
     degrees = LinearProgram(
         cost=graph.costs,
@@ -132,10 +134,10 @@ def _extended(
     The further variables are at least 0 and cost nothing.
     """
     zeros = np.zeros(high.size)
-    wide = csr_array((program.least.size, high.size))
+    no_entries = csr_array((program.least.size, high.size))
     return LinearProgram(
         cost=np.concatenate((program.cost, zeros)),
-        rows=csr_array(vstack([hstack([program.rows, wide]), block_array(blocks)])),
+        rows=csr_array(vstack([hstack([program.rows, no_entries]), block_array(blocks)])),
         least=np.concatenate((program.least, least)),
         most=np.concatenate((program.most, most)),
         low=np.concatenate((program.low, zeros)),

@@ -107,6 +107,8 @@ class TourMilp(EngineSolver):
             bound = max(bound, result.bound)
             nodes.append(result.nodes)
         counts = [number for number in nodes if number is not None]
-        total = sum(counts) if counts else None
+        total = None
+        if counts:
+            total = sum(counts)
         end = tour_run(graph, result._replace(bound=bound, nodes=total))
         return answered(graph, end, perf_counter() - began, self.polish)

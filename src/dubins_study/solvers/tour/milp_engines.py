@@ -55,8 +55,9 @@ def _highs(program: LinearProgram, settings: Settings, seconds: float) -> Proven
     solver = highs_run(highs_rows(*program), options)
     info = solver.getInfo()
     status = solver.getModelStatus().name
-    feasible = info.primal_solution_status == highspy.SolutionStatus.kSolutionStatusFeasible
-    point = np.array(solver.getSolution().col_value) if feasible else None
+    point = None
+    if info.primal_solution_status == highspy.SolutionStatus.kSolutionStatusFeasible:
+        point = np.array(solver.getSolution().col_value)
     return ProvenResult(
         point,
         claim_of("highs", status),
@@ -75,10 +76,12 @@ def _cbc(program: LinearProgram, settings: Settings, seconds: float) -> ProvenRe
     from ortools.linear_solver import pywraplp
 
     solver = pywraplp.Solver.CreateSolver("CBC")
-    z = [
-        solver.IntVar(low, high, "") if whole else solver.NumVar(low, high, "")
-        for low, high, whole in zip(program.low, program.high, program.whole, strict=True)
-    ]
+    z = []
+    for low, high, whole in zip(program.low, program.high, program.whole, strict=True):
+        new_variable = solver.NumVar
+        if whole:
+            new_variable = solver.IntVar
+        z.append(new_variable(low, high, ""))
     for body, least, most in _rows(program):
         row = solver.Constraint(least, most)
         for i, value in body:
@@ -147,9 +150,9 @@ def _glpk(program: LinearProgram, settings: Settings, seconds: float) -> ProvenR
     parameters.tol_int = settings.feastol
     parameters.mip_gap = settings.gap
     parameters.tm_lim = min(max(int(1000 * seconds), 1), _MOST_MS)
-    ended = glpk.glp_intopt(problem, parameters)
-    status = _GLPK_ENDS.get(ended, str(ended))
-    if ended == 0:
+    return_code = glpk.glp_intopt(problem, parameters)
+    status = _GLPK_ENDS.get(return_code, str(return_code))
+    if return_code == 0:
         status = _GLPK_STATUSES[glpk.glp_mip_status(problem)]
     point: FloatArray | None = None
     if glpk.glp_mip_status(problem) in (glpk.GLP_FEAS, glpk.GLP_OPT):
@@ -157,7 +160,9 @@ def _glpk(program: LinearProgram, settings: Settings, seconds: float) -> ProvenR
     cost = float(glpk.glp_mip_obj_val(problem))
     glpk.glp_delete_prob(problem)
     claim = claim_of("glpk", status)
-    bound = cost * (1.0 - settings.gap) if claim is Claim.OPTIMAL else -math.inf
+    bound = -math.inf
+    if claim is Claim.OPTIMAL:
+        bound = cost * (1.0 - settings.gap)
     return ProvenResult(
         point,
         claim,

@@ -97,11 +97,14 @@ def _alternating(places: Places, order: list[int]) -> FloatArray:
     """
     steps = places.steps(order)
     bearings = np.arctan2(steps[:, 1], steps[:, 0])
-    count = len(order)
-    first = 0 if places.given[0] is None else 1
-    headings = np.zeros(count)
+    first = int(places.given[0] is not None)
+    headings = np.zeros(len(order))
     for k, place in enumerate(order):
-        leg = k if (k - first) % 2 == 0 else k - 1
-        given = places.given[place]
-        headings[k] = bearings[min(max(leg, 0), len(bearings) - 1)] if given is None else given
-    return np.append(headings, headings[0]) if places.closed else headings
+        heading = places.given[place]
+        if heading is None:
+            leg = k - (k - first) % 2
+            heading = bearings[min(max(leg, 0), len(bearings) - 1)]
+        headings[k] = heading
+    if places.closed:
+        return np.append(headings, headings[0])
+    return headings

@@ -89,14 +89,13 @@ def polished(
     The grid had `count` headings at each place. Finer and finer ones follow, down to 1e-9 rad. The
     search ends early at the time `until` (s, on `perf_counter`).
     """
-    free = [places.given[place] is None for place in order]
+    free = [k for k, place in enumerate(order) if places.given[place] is None]
     width = TWO_PI / count
     while width > _FINEST and perf_counter() < until:
-        about = [
-            heading + width * _OFFSETS if is_free else np.array([heading])
-            for heading, is_free in zip(headings, free, strict=False)
-        ]
-        headings = _best(places, order, about)
+        candidates = [np.array([heading]) for heading in headings[: len(order)]]
+        for k in free:
+            candidates[k] = headings[k] + width * _OFFSETS
+        headings = _best(places, order, candidates)
         width *= _FINER
     return headings
 
@@ -109,9 +108,9 @@ def _best(places: Places, order: list[int], candidates: list[FloatArray]) -> Flo
     layers = layers_between([*candidates, candidates[0]], steps)
     loops = []
     for k in range(candidates[0].size):  # a closed tour ends with the heading that it began with
-        same = candidates[0][k : k + 1]
+        end_heading = candidates[0][k : k + 1]
         first = layers.lengths[0][k : k + 1]
         last = layers.lengths[-1][:, k : k + 1]
-        headings = [same, *layers.headings[1:-1], same]
+        headings = [end_heading, *layers.headings[1:-1], end_heading]
         loops.append(Layers(headings, [first, *layers.lengths[1:-1], last]))
     return min(loops, key=Layers.least).shortest()

@@ -10,13 +10,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from dubins_study.solvers.course import coordinate_rounding, path_of
+from dubins_study.solvers.course import coordinate_rounding, free_target, path_of
 from dubins_study.solvers.legs import WORD_TURNS, legs
 from dubins_study.solvers.protocol import Question, Solution
 from dubins_study.solvers.runs import at_start
 from dubins_study.study.angle import TWO_PI
 from dubins_study.study.arrays import BoolArray, FloatArray
-from dubins_study.study.body_coordinates import local
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Pose, Scenario
 from dubins_study.study.words import Order
@@ -49,19 +48,21 @@ class Places:
         m = self.count
         if self.in_order:
             return np.eye(m, k=1, dtype=np.bool_) | np.eye(m, k=1 - m, dtype=np.bool_)
-        may = ~np.eye(m, dtype=np.bool_)
+        allowed = ~np.eye(m, dtype=np.bool_)
         if self.with_target:
-            may[1:-1, 0] = False
-            may[-1, 1:] = False
-            may[0, -1] = m == 2
-        return may
+            allowed[1:-1, 0] = False
+            allowed[-1, 1:] = False
+            allowed[0, -1] = m == 2
+        return allowed
 
     def steps(self, order: list[int]) -> FloatArray:
         """The steps between the places of an order.
 
         Shape (legs, 2). The order begins with 0.
         """
-        passed = [*order, 0] if self.closed else order
+        passed = order
+        if self.closed:
+            passed = [*order, 0]
         steps: FloatArray = np.diff(self.points[passed], axis=0)
         return steps
 
@@ -72,12 +73,18 @@ class Places:
         """
         first = self.given[0] or 0.0
         grid: FloatArray = first + (TWO_PI / count) * np.arange(count, dtype=np.float64)
-        return [grid if heading is None else np.array([heading]) for heading in self.given]
+        headings = [grid] * self.count
+        for place, heading in enumerate(self.given):
+            if heading is not None:
+                headings[place] = np.array([heading])
+        return headings
 
 
 def places_of(scenario: Scenario) -> Places:
     """The places of a scenario."""
-    stops = scenario.stops[:-1] if scenario.closed else scenario.stops
+    stops = scenario.stops
+    if scenario.closed:
+        stops = stops[:-1]
     points = [(scenario.x, scenario.y), *((stop.x, stop.y) for stop in stops)]
     return Places(
         points=(np.array(points) - points[0]) / scenario.radius,
@@ -94,9 +101,7 @@ def empty_path(question: Question) -> Solution | None:
     It is the answer if one leg's target is its start.
     """
     scenario = question.scenario
-    if not scenario.one_free_leg:
-        return None
-    return at_start(scenario, local(scenario), coordinate_rounding(scenario))
+    return at_start(scenario, free_target(scenario), coordinate_rounding(scenario))
 
 
 def tour_path(scenario: Scenario, places: Places, order: list[int], headings: FloatArray) -> Path:

@@ -100,17 +100,16 @@ def _visited(graph: Graph, search: str, seconds: float) -> TourRun:
     table[graph.tails, graph.heads] = costs
     routing.SetArcCostEvaluatorOfAllVehicles(routing.RegisterTransitMatrix(table.tolist()))
     for place in range(1, graph.places.count):
-        must = -1  # the penalty of a disjunction that cannot be left out
+        penalty = -1  # the disjunction cannot be left out
         nodes = [manager.NodeToIndex(node) for node in graph.nodes(place)]
-        routing.AddDisjunction(nodes, must, 1)
+        routing.AddDisjunction(nodes, penalty, 1)
     parameters = pywrapcp.DefaultRoutingSearchParameters()
-    first = routing_enums_pb2.FirstSolutionStrategy
-    parameters.first_solution_strategy = first.PATH_CHEAPEST_ARC
-    goes_on = routing_enums_pb2.LocalSearchMetaheuristic
-    guided = search == GUIDED and graph.places.count > _FEW  # else it waits for its time to end
-    parameters.local_search_metaheuristic = (
-        goes_on.GUIDED_LOCAL_SEARCH if guided else goes_on.GREEDY_DESCENT
-    )
+    strategies = routing_enums_pb2.FirstSolutionStrategy
+    parameters.first_solution_strategy = strategies.PATH_CHEAPEST_ARC
+    metaheuristics = routing_enums_pb2.LocalSearchMetaheuristic
+    parameters.local_search_metaheuristic = metaheuristics.GREEDY_DESCENT
+    if search == GUIDED and graph.places.count > _FEW:  # with fewer it waits for its time to end
+        parameters.local_search_metaheuristic = metaheuristics.GUIDED_LOCAL_SEARCH
     seconds_left = max(seconds - (perf_counter() - began), 0.01)
     parameters.time_limit.FromMilliseconds(int(1000 * seconds_left))
     tour = routing.SolveWithParameters(parameters)
