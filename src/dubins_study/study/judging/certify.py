@@ -58,8 +58,12 @@ def certify(
     """
     kind = kind_of(scenario, branch)
     radius = scenario.radius
-    arriving = None if judged.gap is None else judged.length
-    bound = math.nan if lower_bound is None else lower_bound
+    arriving = None
+    if judged.gap is not None:
+        arriving = judged.length
+    bound = math.nan
+    if lower_bound is not None:
+        bound = lower_bound
     if kind.searched and arriving is None and math.isnan(bound):
         return Certificate(proof=Proof.NONE)  # no answer and no bound that would be worth a search
     costates, cut = Costates()
@@ -118,4 +122,6 @@ def _columns(costates: Extremal | None, multipliers: tuple[float, float] | None)
 
 
 def _finite(value: float) -> float | None:
-    return value if math.isfinite(value) else None
+    if not math.isfinite(value):
+        return None
+    return value

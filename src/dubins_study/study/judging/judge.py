@@ -30,18 +30,22 @@ def judge(
     kind = kind_of(scenario, branch)
     columns = kind.known(scenario, branch)
     if path is None or not drivable(path):
-        verdict = Verdict.NONE if path is None else Verdict.MISSES
-        # the best path always exists, and nothing has to be searched for
-        denied = path is None and claim in DENIALS and branch != "best"
-        if denied and kind.reference(scenario, branch, tolerances).enclosure.absent:
-            verdict = Verdict.NONE_EXISTS
+        verdict = Verdict.MISSES
+        if path is None:
+            verdict = Verdict.NONE
+            # the best path always exists, and nothing has to be searched for
+            denied = claim in DENIALS and branch != "best"
+            if denied and kind.reference(scenario, branch, tolerances).enclosure.absent:
+                verdict = Verdict.NONE_EXISTS
         return Judgement(verdict=verdict, false_claim=is_false(claim, verdict), **columns)
     seen = seen_of(scenario, path, branch, tolerances)
     length = path.length
     # the ends of all legs but the last, which ends with the path
     ends = seen.visits.at[: scenario.legs - 1]
     word = kind.words_of(path, ends, scenario.radius)
-    start_heading = path.start.heading if scenario.heading is None else None
+    start_heading = None
+    if scenario.heading is None:
+        start_heading = path.start.heading
     verdict = Verdict.MISSES
     if seen.arrives and seen.excess <= tolerances.curvature and scenario.starts(path.start):
         verdict, verdict_columns = kind.verdict(
@@ -89,7 +93,9 @@ def miss_reason(
         tolerances.miss, radius, extent=scenario.extent, length=path.length
     ):
         if seen.visits.miss == seen.miss:
-            in_order = ", in their order" if scenario.order is Order.GIVEN else ""
+            in_order = ""
+            if scenario.order is Order.GIVEN:
+                in_order = ", in their order"
             return f"the path passes {seen.miss / radius:.3g} R from a via point{in_order}"
         return f"the path ends {seen.miss / radius:.3g} R from the target"
     if seen.turned > HEADED:
