@@ -61,14 +61,14 @@ def orders_within(
         (every, i, (), legs.ends[begin[i] : begin[i + 1]]) for i in range(n)
     ]
     while open_ends:
-        passed, here, rest, to_end = open_ends.pop()
+        passed, here, following, to_end = open_ends.pop()
         costs = levels[passed.bit_count() - 1].get((passed, here))
         if costs is None:
             continue
         least = float((costs[: to_end.size] + to_end).min())
         if least > cutoff:
             continue
-        order = (here, *rest)
+        order = (here, *following)
         if len(order) == n:
             orders[order] = least
             if len(orders) > _MOST_ORDERS:

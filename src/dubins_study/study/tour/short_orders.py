@@ -41,9 +41,7 @@ class _Grid(NamedTuple):
     ends: FloatArray  # to the end, shape (headings,)
 
 
-def short_orders(
-    stops: Stops, effort: Effort, random: np.random.Generator
-) -> Iterator[tuple[int, ...]]:
+def short_orders(stops: Stops, effort: Effort) -> Iterator[tuple[int, ...]]:
     """Yield orders that may be short.
 
     The first is by straight lines, then follow those with headings, the best first.
@@ -59,11 +57,12 @@ def short_orders(
     grid = _heading_grid(stops, effort)
     length = _shorten(order, grid, effort)
     lengths = {tuple(order.tolist()): length}
-    kicks = _KICKS if n <= _KICKED else 0
-    for _ in range(kicks):
-        order = _kicked(min(lengths, key=lengths.__getitem__), random)
-        length = _shorten(order, grid, effort)
-        lengths[tuple(order.tolist())] = length
+    if n <= _KICKED:
+        random = np.random.default_rng(0)  # so that the same tour is found every time
+        for _ in range(_KICKS):
+            order = _kicked(min(lengths, key=lengths.__getitem__), random)
+            length = _shorten(order, grid, effort)
+            lengths[tuple(order.tolist())] = length
     shortest = min(lengths.values())
     for candidate, length in sorted(lengths.items(), key=lambda item: item[1]):
         if length <= _NEARLY * shortest:
@@ -128,17 +127,21 @@ def _heading_grid(stops: Stops, effort: Effort) -> _Grid:
     Headings are spread evenly, and those of single arcs to near points are added.
     """
     n = len(stops.points)
-    count = _HEADINGS if n <= _SOME else _FEWER
+    count = _FEWER
+    if n <= _SOME:
+        count = _HEADINGS
     evenly = np.linspace(-math.pi, math.pi, count, endpoint=False)
     sizes = [0]
     of_points = []
     for i, heading in enumerate(stops.headings):
-        some = evenly if heading is None else np.array([heading])
-        if heading is None and n <= _SOME:
+        choices = evenly
+        if heading is not None:
+            choices = np.array([heading])
+        elif n <= _SOME:
             arcs = _arc_headings(stops.points - stops.points[i])
-            some = np.append(evenly, arcs[:_MOST_ARCS])
-        of_points.append(some)
-        sizes.append(some.size)
+            choices = np.append(evenly, arcs[:_MOST_ARCS])
+        of_points.append(choices)
+        sizes.append(choices.size)
     begin = np.cumsum(sizes)
     headings = np.concatenate(of_points)
     effort.spend_or_end(headings.size**2 / 10)
@@ -153,16 +156,20 @@ def _to_ends(stops: Stops, begin: IntArray, headings: FloatArray) -> tuple[Float
     Each array has one length for each heading of the grid.
     """
     circle = np.linspace(-math.pi, math.pi, 2 * _HEADINGS, endpoint=False)
-    first = circle if stops.first is None else np.array([stops.first])
-    last = circle if stops.last is None else np.array([stops.last])
+    first = circle
+    if stops.first is not None:
+        first = np.array([stops.first])
+    last = circle
+    if stops.last is not None:
+        last = np.array([stops.last])
     starts = np.zeros(headings.size)
     ends = np.zeros(headings.size)
     for i, point in enumerate(stops.points):
-        some = slice(begin[i], begin[i + 1])
-        here = headings[some]
-        starts[some] = _lengths(point, first, here).min(axis=0)
+        part = slice(begin[i], begin[i + 1])
+        here = headings[part]
+        starts[part] = _lengths(point, first, here).min(axis=0)
         if stops.target is not None:
-            ends[some] = _lengths(stops.target - point, here, last).min(axis=1)
+            ends[part] = _lengths(stops.target - point, here, last).min(axis=1)
     return starts, ends
 
 
