@@ -141,10 +141,10 @@ class Scenario:
                 number = checked_number(name, value)
             object.__setattr__(self, name, number)
         object.__setattr__(self, "label", _label(label))
-        if not self.via:
-            object.__setattr__(self, "order", Order.GIVEN)
         if self.via:
             _check_neighbours(self._path_points(), self.order, self.target)
+        else:
+            object.__setattr__(self, "order", Order.GIVEN)
         if self.extent > LARGEST_EXTENT * self.radius:
             least = f"at least {self.extent / LARGEST_EXTENT:.3g}"
             raise ScenarioError(

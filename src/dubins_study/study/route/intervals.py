@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from itertools import pairwise
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -44,6 +44,18 @@ class Intervals(NamedTuple):
     middle: FloatArray
     half: FloatArray
     slope: FloatArray
+
+    def at(self, places: Any) -> Intervals:
+        """The intervals at some places."""
+        return Intervals(*(column[places] for column in self))
+
+    def halved(self, side: FloatArray) -> Intervals:
+        """The lower half of each where the side is -0.5, the upper one where it is 0.5.
+
+        The whole interval where the side is 0.
+        """
+        half = np.where(side == 0.0, self.half, 0.5 * self.half + OVERLAP)
+        return Intervals(self.middle + side * self.half, half, self.slope)
 
 
 class _Arc(NamedTuple):

@@ -29,7 +29,7 @@ from dubins_study.study.closed_form.pose import WORDS6
 from dubins_study.study.route.descent import downhill, route_length, route_words
 from dubins_study.study.route.effort import Effort, SpentError
 from dubins_study.study.route.heading_grids import first_route, leg_table, survey
-from dubins_study.study.route.intervals import COARSE, OVERLAP, Intervals, first_intervals
+from dubins_study.study.route.intervals import COARSE, Intervals, first_intervals
 from dubins_study.study.route.leg_bound import (
     BY_WORD,
     UNKNOWN,
@@ -370,8 +370,7 @@ class _Search:
             for low in range(0, live.shape[0], rows):
                 part = slice(low, low + rows)
                 self.effort.spend_or_end(int(np.count_nonzero(live[part])))
-                starts = Intervals(*(column[part] for column in first))
-                bound_leg(leg, starts, last, live[part], bounds[-1][part], words[-1][part])
+                bound_leg(leg, first.at(part), last, live[part], bounds[-1][part], words[-1][part])
         return _Chains(bounds, words, self.cyclic)
 
     def _middles(self) -> _Chains:
@@ -509,9 +508,7 @@ class _Search:
             halved = np.flatnonzero(possible[i] & split)
             parents.append(np.concatenate([whole, halved, halved]))
             side = np.repeat([0.0, -0.5, 0.5], [whole.size, halved.size, halved.size])
-            middle, half, slope = (column[parents[i]] for column in interval)
-            halves = np.where(side == 0.0, half, 0.5 * half + OVERLAP)
-            self.intervals.append(Intervals(middle + side * half, halves, slope))
+            self.intervals.append(interval.at(parents[i]).halved(side))
         if self.cyclic:
             parents[-1] = parents[0]
             self.intervals[-1] = self.intervals[0]

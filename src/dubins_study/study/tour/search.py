@@ -244,7 +244,7 @@ class _TourSearch:
         starts = _intervals_at(None, _AT_ENDS)
         for place in np.flatnonzero(np.sin(starts.middle) > 0.0):
             part = copy(self)
-            part.around = Intervals(*(column[[place]] for column in starts))
+            part.around = starts.at([place])
             part.live = self.live.copy()
             part.bounds = self.bounds.copy()
             try:
@@ -364,7 +364,7 @@ class _TourSearch:
         last = self.around or _intervals_at(self.stops.last, _AT_ENDS)
         for i, point in enumerate(self.stops.points):
             part = slice(begin[i], begin[i + 1])
-            here = Intervals(*(column[part] for column in self.intervals))
+            here = self.intervals.at(part)
             self.starts[part] = _pair_bounds(point, first, here).min(axis=0)
             if self.stops.target is None:  # no leg cancels the slope that the last one is given
                 self.ends[part] = -np.abs(here.slope) * here.half
@@ -449,7 +449,7 @@ class _TourSearch:
         self.least = np.minimum(through.min(axis=0), through.min(axis=1))
         places = np.flatnonzero(self.live.any(axis=0) | self.live.any(axis=1))
         self.owner = self.owner[places]
-        self.intervals = Intervals(*(column[places] for column in self.intervals))
+        self.intervals = self.intervals.at(places)
         self.live = self.live[np.ix_(places, places)]
         self.bounds = np.where(self.live, self.bounds[np.ix_(places, places)], math.inf)
         self.starts = self.starts[places]
@@ -470,9 +470,7 @@ class _TourSearch:
         parents = np.repeat(np.arange(self.owner.size), 1 + split)
         second = np.diff(parents, prepend=-1) == 0
         side = np.where(split[parents], np.where(second, 0.5, -0.5), 0.0)
-        middle, half, slope = (column[parents] for column in self.intervals)
-        halves = np.where(side == 0.0, half, 0.5 * half + OVERLAP)
-        self.intervals = Intervals(middle + side * half, halves, slope)
+        self.intervals = self.intervals.at(parents).halved(side)
         self.owner = self.owner[parents]
         self.live = self.live[np.ix_(parents, parents)]
         self.bounds = self.bounds[np.ix_(parents, parents)]
