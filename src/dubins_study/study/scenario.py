@@ -119,7 +119,7 @@ class Scenario:
         _radians: bool = False,
     ) -> None:
         object.__setattr__(self, "order", checked_order(order))
-        object.__setattr__(self, "closed", _flag("closed", closed))
+        object.__setattr__(self, "closed", _closed(closed))
         object.__setattr__(self, "via", _via(via, _radians))
         no_target = target_x is None and target_y is None
         ends_anywhere = self.closed or (self.order is Order.FREE and no_target)
@@ -431,9 +431,9 @@ def checked_order(order: str) -> Order:
         raise ScenarioError(f"order is {short(order)}; expected {' or '.join(Order)}") from None
 
 
-def _flag(name: str, value: Any) -> bool:
+def _closed(value: Any) -> bool:
     if not isinstance(value, bool | np.bool_):
-        raise ScenarioError(f"{name} is {short(value)}; expected true or false")
+        raise ScenarioError(f"closed is {short(value)}; expected true or false")
     return bool(value)
 
 

@@ -77,7 +77,11 @@ def certify(
     if judged.verdict is Verdict.NONE_EXISTS and interval.low == math.inf:
         proof = Proof.PROVED
     elif arriving is not None:
-        extremal = arriving == 0 or _is_extremal(costates, arriving / radius)
+        residual = math.inf
+        if costates is not None:
+            residual = costates.pmp_residual
+        rounding = PMP_ROUNDING * (arriving / radius)
+        extremal = arriving == 0 or residual <= PMP_TOLERANCE + rounding
         near = interval.exists and interval.holds(arriving, tolerance=allowed)
         clear = branch != "best" or (cut is not None and cut >= -CUT_TOLERANCE)
         alone = kind.by_interval or branch in _BY_INTERVAL
@@ -95,16 +99,6 @@ def certify(
         false_bound=false_bound,
         **_columns(costates, multipliers),
     )
-
-
-def _is_extremal(costates: Extremal | None, length: float) -> bool:
-    """Whether Pontryagin's conditions hold of a path.
-
-    They hold up to the rounding of its length (radii).
-    """
-    if costates is None:
-        return False
-    return costates.pmp_residual <= PMP_TOLERANCE + PMP_ROUNDING * length
 
 
 def _columns(costates: Extremal | None, multipliers: tuple[float, float] | None) -> dict[str, Any]:

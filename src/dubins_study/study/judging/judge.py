@@ -5,7 +5,7 @@ It is compared with its question's reference.
 
 from __future__ import annotations
 
-from dubins_study.study.check.verdict import Seen, is_false, seen_of
+from dubins_study.study.check.verdict import is_false, seen_of
 from dubins_study.study.kinds.kind import Arrived
 from dubins_study.study.kinds.table import kind_of
 from dubins_study.study.path import Path, drivable
@@ -46,6 +46,9 @@ def judge(
     start_heading = None
     if scenario.heading is None:
         start_heading = path.start.heading
+    order = None
+    if scenario.order is Order.FREE:
+        order = list(map(float, seen.visits.order))
     verdict = Verdict.MISSES
     if seen.arrives and seen.excess <= tolerances.curvature and scenario.starts(path.start):
         verdict, verdict_columns = kind.verdict(
@@ -60,21 +63,11 @@ def judge(
         travel_time=length / scenario.speed,
         miss=seen.miss,
         visits=list(seen.visits.at) or None,
-        visit_order=_order(scenario, seen),
+        visit_order=order,
         start_heading=start_heading,
         curvature_excess=seen.excess,
         **columns,
     )
-
-
-def _order(scenario: Scenario, seen: Seen) -> list[float] | None:
-    """Via points of a tour, as they are visited.
-
-    They are given by their places in the scenario. None if the order is given.
-    """
-    if scenario.order is not Order.FREE:
-        return None
-    return list(map(float, seen.visits.order))
 
 
 def miss_reason(

@@ -15,7 +15,7 @@ import numpy as np
 from dubins_study.study.arrays import FloatArray, IntArray
 from dubins_study.study.route.effort import Effort
 from dubins_study.study.tour.chains import SetArray, extended, leave_out
-from dubins_study.study.tour.short_orders import CHAIN_BOXES
+from dubins_study.study.tour.short_orders import CHAIN_BOXES, Legs
 
 MOST_IN_SET = 62  # points, of which a set is an int64
 _MOST_STATES = 100_000
@@ -23,15 +23,6 @@ _MOST_ORDERS = 1_000
 
 _Levels = list[dict[tuple[int, int], FloatArray]]  # of each size, by set and last point
 _OpenEnd = tuple[int, int, tuple[int, ...], FloatArray]
-
-
-class Legs(NamedTuple):
-    """Bounds of the legs between intervals of headings."""
-
-    begin: IntArray  # where the intervals of each point begin, shape (points + 1,)
-    bounds: FloatArray  # shape (intervals, intervals)
-    starts: FloatArray  # from the start, shape (intervals,)
-    ends: FloatArray  # to the end, shape (intervals,)
 
 
 class ToGo(NamedTuple):
@@ -78,7 +69,7 @@ def orders_within(
         ends = slice(begin[here], begin[here + 1])
         for before in range(n):
             if others >> before & 1:
-                way = legs.bounds[begin[before] : begin[before + 1], ends]
+                way = legs.costs[begin[before] : begin[before + 1], ends]
                 open_ends.append((others, before, order, (way + to_end).min(axis=1)))
     return orders
 
@@ -109,7 +100,7 @@ def _states(legs: Legs, to_go: ToGo, cutoff: float, effort: Effort) -> _Levels |
         keys = zip(sets.tolist(), lasts.tolist(), strict=True)
         levels.append(dict(zip(keys, costs, strict=True)))
         effort.spend_or_end(sets.size * n * most**2 * CHAIN_BOXES)
-        sets, lasts, costs = extended(sets, lasts, costs, legs.bounds, begin)
+        sets, lasts, costs = extended(sets, lasts, costs, legs.costs, begin)
         sets, lasts, costs = _united(sets, lasts, costs)
     return levels
 

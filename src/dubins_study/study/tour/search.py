@@ -39,8 +39,8 @@ from dubins_study.study.tour.chains import (
     first_chains,
     memories_after,
 )
-from dubins_study.study.tour.orders import MOST_IN_SET, Legs, ToGo, orders_within
-from dubins_study.study.tour.short_orders import CHAIN_BOXES, short_orders
+from dubins_study.study.tour.orders import MOST_IN_SET, ToGo, orders_within
+from dubins_study.study.tour.short_orders import CHAIN_BOXES, Legs, short_orders
 from dubins_study.study.tour.stops import Stops
 
 _LOG = logging.getLogger(__name__)

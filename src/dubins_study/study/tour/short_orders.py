@@ -32,11 +32,14 @@ _NEARLY = 1.02  # times the best length on the grid; longer orders are not searc
 CHAIN_BOXES = 2e-5  # boxes that take as long as one sum of two costs
 
 
-class _Grid(NamedTuple):
-    """Headings at each point, and the legs' lengths."""
+class Legs(NamedTuple):
+    """Costs of the legs between points.
 
-    begin: IntArray  # where those of each point begin, shape (points + 1,)
-    lengths: FloatArray  # shape (headings, headings)
+    They are lengths between headings, or bounds of lengths between intervals of headings.
+    """
+
+    begin: IntArray  # where the headings or intervals of each point begin, shape (points + 1,)
+    costs: FloatArray  # shape (headings, headings)
     starts: FloatArray  # from the start, shape (headings,)
     ends: FloatArray  # to the end, shape (headings,)
 
@@ -79,7 +82,7 @@ def _kicked(order: tuple[int, ...], random: np.random.Generator) -> IntArray:
     return np.array([*order[:a], *order[b:c], *order[a:b], *order[c:]])
 
 
-def _shorten(order: IntArray, grid: _Grid, effort: Effort) -> float:
+def _shorten(order: IntArray, grid: Legs, effort: Effort) -> float:
     """Shorten an order in place; return its length.
 
     It ends when no small change makes the order shorter.
@@ -94,7 +97,7 @@ def _shorten(order: IntArray, grid: _Grid, effort: Effort) -> float:
             return length
 
 
-def _straight_lines(stops: Stops) -> _Grid:
+def _straight_lines(stops: Stops) -> Legs:
     """Grid of straight lines between the points.
 
     Each point has one heading, which does not count.
@@ -105,7 +108,7 @@ def _straight_lines(stops: Stops) -> _Grid:
         ends = np.hypot(*(points - stops.target).T)
     begin = np.arange(len(points) + 1)
     lengths = cdist(points, points)
-    return _Grid(begin, lengths, starts=np.hypot(*points.T), ends=ends)
+    return Legs(begin, lengths, starts=np.hypot(*points.T), ends=ends)
 
 
 def _nearest_neighbours(points: FloatArray) -> IntArray:
@@ -121,7 +124,7 @@ def _nearest_neighbours(points: FloatArray) -> IntArray:
     return np.array(order)
 
 
-def _heading_grid(stops: Stops, effort: Effort) -> _Grid:
+def _heading_grid(stops: Stops, effort: Effort) -> Legs:
     """Grid of headings at each point.
 
     Headings are spread evenly, and those of single arcs to near points are added.
@@ -147,7 +150,7 @@ def _heading_grid(stops: Stops, effort: Effort) -> _Grid:
     effort.spend_or_end(headings.size**2 / 10)
     lengths = lengths_between(stops.points, begin, headings)
     starts, ends = _to_ends(stops, begin, headings)
-    return _Grid(begin, lengths, starts=starts, ends=ends)
+    return Legs(begin, lengths, starts=starts, ends=ends)
 
 
 def _to_ends(stops: Stops, begin: IntArray, headings: FloatArray) -> tuple[FloatArray, FloatArray]:
