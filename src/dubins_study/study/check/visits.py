@@ -139,7 +139,7 @@ class _Pieces:
             within, nearest, distance = self._passing(
                 slice(begin, end), x, y, at=at, allowed=allowed
             )
-            passings = []
+            chosen = None
             for first in np.flatnonzero(~np.isnan(within)).tolist():
                 last = first
                 # the path still comes nearer at the end of a piece
@@ -147,19 +147,16 @@ class _Pieces:
                     if distance[last + 1] > distance[last]:
                         break
                     last += 1
-                passings.append((first, last))
                 if heading is None or self._fits(heading, piece=begin + last, along=nearest[last]):
-                    passings = passings[-1:]
+                    chosen = first, last
                     break
-            else:  # none has the heading
-                passings = passings[:1]
-                if end < n:
-                    passings = []
-            for first, last in passings:
-                if begin + last + 1 < end or end == n:
-                    visited = max(at, float(self.ends[begin + first] + within[first]))
-                    reached = max(at, float(self.ends[begin + last] + nearest[last]))
-                    return visited, reached, float(distance[last])
+                if chosen is None and end == n:  # the first one counts if none has the heading
+                    chosen = first, last
+            if chosen is not None and (begin + chosen[1] + 1 < end or end == n):
+                first, last = chosen
+                visited = max(at, float(self.ends[begin + first] + within[first]))
+                reached = max(at, float(self.ends[begin + last] + nearest[last]))
+                return visited, reached, float(distance[last])
         i = int(np.argmin(distance))
         reached = float(self.ends[begin + i] + nearest[i])
         return reached, reached, float(distance[i])
