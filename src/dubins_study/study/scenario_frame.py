@@ -90,7 +90,7 @@ def _columns_of_numbers(frame: pd.DataFrame) -> dict[str, Any] | None:
     Each column is checked as a whole. None if the rows have to be read one by one.
     """
     n = len(frame)
-    if not n or any(name in frame and not frame[name].isna().all() for name in ("via", *VIA)):
+    if not n or any(name in frame and frame[name].notna().any() for name in ("via", *VIA)):
         return None
     if any(name in frame and not (frame[name] == DEFAULTS[name]).all() for name in TOUR):
         return None

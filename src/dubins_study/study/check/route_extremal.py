@@ -209,5 +209,6 @@ def _matrix(rows: Sequence[tuple[float, ...]], columns: IntArray, n: int) -> coo
     Each row has numbers in some columns.
     """
     numbers = np.array(rows, np.float64).reshape(columns.shape)
-    at = np.repeat(np.arange(len(rows)), columns.shape[1]), np.maximum(columns, 0).ravel()
-    return coo_array((numbers.ravel(), at), shape=(len(rows), n))
+    row_places = np.repeat(np.arange(len(rows)), columns.shape[1])
+    places = row_places, np.maximum(columns, 0).ravel()
+    return coo_array((numbers.ravel(), places), shape=(len(rows), n))

@@ -79,7 +79,8 @@ def _outside(values: FloatArray, cones: Any) -> FloatArray:
 
     It is the excess of the norm over the first number.
     """
-    return np.array([np.linalg.norm(values[p][1:]) - values[p][0] for p in _parts(cones)])
+    blocks = [values[part] for part in _parts(cones)]
+    return np.array([np.linalg.norm(block[1:]) - block[0] for block in blocks])
 
 
 def upper_bound(problem: Problem, x: FloatArray) -> float:

@@ -112,6 +112,7 @@ class FrameJudgement(NamedTuple):
         codes = np.empty((4, n), np.uint8)
         numbers = np.empty((7, n))
         flags = np.zeros((2, n), bool)
+        # in the order of the fields
         return cls._make([*codes[:3], *numbers[:6], *flags, codes[3], numbers[6]])
 
 

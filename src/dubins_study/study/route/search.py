@@ -177,6 +177,11 @@ def _through(cost: FloatArray, rows: FloatArray) -> tuple[FloatArray, IntArray]:
     return np.array(least), np.array(mates)
 
 
+def _of_rows(mates: IntArray, row: IntArray) -> IntArray:
+    """Numbers of the columns, each from its row."""
+    return mates[row, np.arange(row.size)]
+
+
 class _Chains:
     """Cheapest chain through each interval.
 
@@ -188,7 +193,6 @@ class _Chains:
     def __init__(self, costs: list[FloatArray], words: list[WordArray], cyclic: bool) -> None:
         self.costs = costs
         self.words = words
-        legs = len(costs)
         self.ahead = [np.zeros((1, costs[0].shape[0]))]
         self.behind = [np.zeros((1, costs[-1].shape[1]))]
         if cyclic:
@@ -207,11 +211,11 @@ class _Chains:
             after.insert(0, mates)
         both = [a + b for a, b in zip(self.ahead, self.behind, strict=True)]
         self.through: list[FloatArray] = [each.min(axis=0) for each in both]
-        row = [each.argmin(axis=0) for each in both]
+        rows = [each.argmin(axis=0) for each in both]
         # for each leg: the best interval at its start for each one at its end, and the reverse
-        self.before = [self._before[i][row[i + 1], np.arange(row[i + 1].size)] for i in range(legs)]
-        self.after = [after[i][row[i], np.arange(row[i].size)] for i in range(legs)]
-        self._row = row[-1]
+        self.before = [_of_rows(*each) for each in zip(self._before, rows[1:], strict=True)]
+        self.after = [_of_rows(*each) for each in zip(after, rows[:-1], strict=True)]
+        self._row = rows[-1]
 
     @property
     def least(self) -> float:

@@ -87,7 +87,8 @@ def _states(legs: Legs, to_go: ToGo, cutoff: float, effort: Effort) -> _Levels |
     lasts = np.arange(n)
     costs = np.full((n, most), math.inf)
     for i in range(n):
-        costs[i, : begin[i + 1] - begin[i]] = legs.starts[begin[i] : begin[i + 1]]
+        starts = legs.starts[begin[i] : begin[i + 1]]
+        costs[i, : starts.size] = starts
     levels = []
     for k in range(n):
         ahead = to_go.costs[n - 1 - k]
