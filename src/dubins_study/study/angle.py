@@ -51,11 +51,13 @@ def _evaluate(text: str) -> float | None:
     value = float(f"{sign}{number or 1}")
     if pi:
         return value * math.pi / float(divisor or 1)
+    if unit == "rad":
+        return value
     if unit:
-        return value if unit == "rad" else math.radians(value)
+        return math.radians(value)
     if LARGEST_BARE < abs(value) < math.inf:
-        remedy = (
-            f"write {text}deg, or {text}rad" if len(text) < 40 else "write its unit, deg or rad"
-        )
+        remedy = "write its unit, deg or rad"
+        if len(text) < 40:
+            remedy = f"write {text}deg, or {text}rad"
         raise AngleError(f"{short(text)[1:-1]} is more than a full turn; {remedy}")
     return value

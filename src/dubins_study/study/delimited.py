@@ -63,8 +63,10 @@ def column_problems(
     columns = (*required, *optional)
     problems = []
     if missing := [name for name in required if name not in names]:
-        several = "s" if len(missing) > 1 else ""
-        problems.append(f"missing column{several} {', '.join(map(repr, missing))}; {expected}")
+        noun = "column"
+        if len(missing) > 1:
+            noun = "columns"
+        problems.append(f"missing {noun} {', '.join(map(repr, missing))}; {expected}")
     for name in dict.fromkeys(names):
         if name not in columns:
             near = did_you_mean(name, [column for column in columns if column not in names])

@@ -169,7 +169,9 @@ class Path:
         Shape (m,). Where two arcs meet, the curvature of the later one counts.
         """
         d = np.atleast_1d(np.asarray(distance, dtype=np.float64))
-        return self.curvatures[self._arc_at(d)] if self.lengths.size else np.zeros(d.size)
+        if not self.lengths.size:
+            return np.zeros(d.size)
+        return self.curvatures[self._arc_at(d)]
 
     @property
     def _ends(self) -> FloatArray:
@@ -226,7 +228,9 @@ class Path:
             most = f"at most {_MOST_POINTS} poses of a finite path"
             raise ValueError(f"step is {short(step)}; expected a number above 0 and {most}")
         # a last step of rounding alone is no step
-        steps = max(math.ceil(total / size * (1 - 1e-12)), 1) if total > 0 else 0
+        steps = 0
+        if total > 0:
+            steps = max(math.ceil(total / size * (1 - 1e-12)), 1)
         s = np.append(size * np.arange(steps), total)
         curvature = self.curvature_at(s)
         x, y, heading = self.at(s).T
@@ -284,17 +288,19 @@ class Path:
         if origin is not None:
             points = plane_at(origin).to_earth(points)
         line = points.tolist()
-        kind, coordinates = ("LineString", line) if len(line) > 1 else ("Point", line[0])
+        geometry = {"type": "LineString", "coordinates": line}
+        if len(line) == 1:
+            geometry = {"type": "Point", "coordinates": line[0]}
         return {
             "type": "Feature",
-            "geometry": {"type": kind, "coordinates": coordinates},
+            "geometry": geometry,
             "properties": {
                 "length": self.length,
                 "word": self.word(),
                 "radius": radius,
                 "start_heading_rad": math.remainder(self.start.heading, math.tau),
                 "end_heading_rad": math.remainder(self.end.heading, math.tau),
-                "chord_error": share * radius if radius else 0.0,
+                "chord_error": share * (radius or 0.0),
                 **properties,
             },
         }
@@ -309,8 +315,9 @@ class Path:
         bend = np.abs(self.curvatures[driven])
         lengths = self.lengths[driven]
         sharpest = float(bend.max(initial=0.0))
-        # a smaller curvature has a radius that overflows
-        radius = 1 / sharpest if sharpest >= np.finfo(np.float64).tiny else None
+        radius = None
+        if sharpest >= np.finfo(np.float64).tiny:  # a smaller curvature has a radius that overflows
+            radius = 1 / sharpest
         # a chord over the angle a of an arc of radius r is r (1 - cos(a / 2)) from the arc
         angle = 2 * np.arccos(np.maximum(1.0 - share * bend * (radius or 0.0), 0.0))
         parts = np.maximum(np.ceil(bend * lengths / np.where(angle > 0, angle, 1.0)), 1.0)
@@ -348,10 +355,7 @@ class Path:
             (_side(k, ripple), abs(k) * length, length)
             for k, length in zip(curvatures, lengths, strict=True)
         )
-        runs = [
-            (side if bend > tolerance else 0, bend, length)
-            for side, bend, length in _joined(pieces)
-        ]
+        runs = [(side * (bend > tolerance), bend, length) for side, bend, length in _joined(pieces)]
         least = tolerance * self.length
         letters = ("SLR"[side] for side, _, length in _joined(runs) if side or length > least)
         return "".join(letter for letter, _ in groupby(letters))
@@ -391,7 +395,8 @@ def end_of(start: Pose, curvatures: FloatArray, lengths: FloatArray) -> Pose:
 
 def _few_corners(start: Pose, curvatures: FloatArray, lengths: FloatArray) -> list[Pose]:
     """Compute `corners` of few arcs, in a loop."""
-    cos, sin = math.cos(start.heading), math.sin(start.heading)
+    cos = math.cos(start.heading)
+    sin = math.sin(start.heading)
     turned = forward = left = 0.0
     poses = [start]
     for k, s in zip(curvatures.tolist(), lengths.tolist(), strict=True):
@@ -414,7 +419,8 @@ def _few_corners(start: Pose, curvatures: FloatArray, lengths: FloatArray) -> li
 @np.errstate(all="ignore")  # headings that are not finite
 def _many_corners(start: Pose, curvatures: FloatArray, lengths: FloatArray) -> FloatArray:
     """Compute `corners` of many arcs, in whole arrays."""
-    cos, sin = math.cos(start.heading), math.sin(start.heading)
+    cos = math.cos(start.heading)
+    sin = math.sin(start.heading)
     turn = curvatures * lengths
     turned = turn.cumsum()
     chord = _chord(turn, lengths)
@@ -487,7 +493,9 @@ def _side(curvature: float, ripple: float) -> int:
     """Side of an arc: 1 left, -1 right, 0 straight."""
     if abs(curvature) <= ripple:
         return 0
-    return 1 if curvature > 0 else -1
+    if curvature > 0:
+        return 1
+    return -1
 
 
 def _joined(pieces: Iterable[Piece]) -> list[Piece]:
@@ -534,10 +542,11 @@ class Paths:
     returned: BoolArray | None = None
 
     def __post_init__(self) -> None:
-        arcs, n = (*np.shape(self.curvatures), 0, 0)[:2]
+        arcs, n = (*np.shape(self.curvatures), 0, 0)[:2]  # an axis may be missing
+        if arcs != 3:
+            arcs = 2
         for name in ("curvatures", "lengths"):
-            rows = 3 if arcs == 3 else 2
-            array = real_array(name, getattr(self, name), (rows, n))
+            array = real_array(name, getattr(self, name), (arcs, n))
             object.__setattr__(self, name, array)
         if self.returned is not None:
             returned = np.asarray(self.returned)

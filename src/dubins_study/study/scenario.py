@@ -45,7 +45,7 @@ class Stop(NamedTuple):
 
     x: float
     y: float
-    heading: float | None
+    heading: float | None = None
 
 
 class ScenarioError(DubinsStudyError, ValueError):
@@ -119,7 +119,7 @@ class Scenario:
         _radians: bool = False,
     ) -> None:
         object.__setattr__(self, "order", checked_order(order))
-        object.__setattr__(self, "closed", _flag("closed", closed))
+        object.__setattr__(self, "closed", _closed(closed))
         object.__setattr__(self, "via", _via(via, _radians))
         no_target = target_x is None and target_y is None
         ends_anywhere = self.closed or (self.order is Order.FREE and no_target)
@@ -129,7 +129,7 @@ class Scenario:
                 target_x=target_x,
                 target_y=target_y,
                 final_heading=final_heading,
-                passes=bool(self.via),
+                via=self.via,
             )
         numbers = (x, y, heading, target_x, target_y, radius, speed, final_heading)
         for name, value in zip((*NUMBERS, "final_heading"), numbers, strict=True):
@@ -141,10 +141,10 @@ class Scenario:
                 number = checked_number(name, value)
             object.__setattr__(self, name, number)
         object.__setattr__(self, "label", _label(label))
-        if not self.via:
-            object.__setattr__(self, "order", Order.GIVEN)
         if self.via:
             _check_neighbours(self._path_points(), self.order, self.target)
+        else:
+            object.__setattr__(self, "order", Order.GIVEN)
         if self.extent > LARGEST_EXTENT * self.radius:
             least = f"at least {self.extent / LARGEST_EXTENT:.3g}"
             raise ScenarioError(
@@ -179,7 +179,9 @@ class Scenario:
             ScenarioError: if they are no pairs, and for the same reasons as `Scenario` itself.
         """
         passed = list(via)
-        places = [start, *passed] if target is None else [start, *passed, target]
+        places = [start, *passed]
+        if target is not None:
+            places.append(target)
         try:
             degrees = [(place[0], place[1]) for place in places]
         except (TypeError, LookupError):
@@ -189,7 +191,9 @@ class Scenario:
             check_place(
                 checked_number("longitude", longitude), checked_number("latitude", latitude)
             )
-        plane = middle_of(degrees) if origin is None else plane_at(origin)
+        plane = middle_of(degrees)
+        if origin is not None:
+            plane = plane_at(origin)
         (x, y), *points = plane.to_plane(degrees).tolist()
         if target is not None:
             fields["target_x"], fields["target_y"] = points.pop()
@@ -238,10 +242,12 @@ class Scenario:
     @property
     def stops(self) -> tuple[Stop, ...]:
         """Via points, then the target if there is one."""
-        via = [Stop(x, y, heading[0] if heading else None) for x, y, *heading in self.via]
+        via = [Stop(*point) for point in self.via]
         if self.target is None:
             return tuple(via)
-        final_heading = self.heading if self.closed else self.final_heading
+        final_heading = self.final_heading
+        if self.closed:
+            final_heading = self.heading
         return (*via, Stop(*self.target, final_heading))
 
     @property
@@ -291,7 +297,7 @@ class Scenario:
         """
         if all(len(point) == 2 for point in self.via):
             return None
-        return [point[2] if len(point) == 3 else math.nan for point in self.via]
+        return [(*point, math.nan)[2] for point in self.via]
 
     @property
     def one_free_leg(self) -> bool:
@@ -334,8 +340,10 @@ class Scenario:
         X points forward, Y to the left (docs/derivation.md, eq. 1).
         """
         assert self.target is not None
-        dx, dy = self.target[0] - self.x, self.target[1] - self.y
-        cos, sin = math.cos(self.start.heading), math.sin(self.start.heading)
+        dx = self.target[0] - self.x
+        dy = self.target[1] - self.y
+        cos = math.cos(self.start.heading)
+        sin = math.sin(self.start.heading)
         return (dx * cos + dy * sin) / self.radius, (dy * cos - dx * sin) / self.radius
 
 
@@ -361,6 +369,7 @@ DEGREES = (
 )
 LARGEST = 1e150  # the square of a larger number overflows
 SMALLEST = 1e-150  # the square of a smaller number vanishes
+LEAST = dict.fromkeys(POSITIVE, SMALLEST)  # by field; that of any other is -LARGEST
 LARGEST_EXTENT = 1e13  # radii; a path of ten times as many cannot be driven to within a radius
 
 
@@ -379,8 +388,8 @@ def _via(points: Any, radians: bool) -> tuple[tuple[float, ...], ...]:
     """
     try:
         if hasattr(points, "columns"):  # a frame that is iterated gives the names of its columns
-            some = ["x", "y", *(name for name in points.columns if name == "heading")]
-            points = points[some].astype(object).where(points[some].notna(), None).to_numpy()
+            cells = points[["x", "y", *(name for name in points.columns if name == "heading")]]
+            points = cells.astype(object).where(cells.notna(), None).to_numpy()
         stops = [(x, y, *heading) for x, y, *heading in points]
         if isinstance(points, Set) or any(len(stop) > 3 for stop in stops):
             raise TypeError
@@ -389,12 +398,12 @@ def _via(points: Any, radians: bool) -> tuple[tuple[float, ...], ...]:
     via: list[tuple[float, ...]] = []
     for place, (x, y, *headings) in enumerate(stops, 1):
         name = f"of via point {place}"
-        point = checked_number(f"x {name}", x), checked_number(f"y {name}", y)
-        heading = None
+        point = [checked_number(f"x {name}", x), checked_number(f"y {name}", y)]
         if headings:
             heading = _heading(f"heading {name}", headings[0], radians, stacklevel=4)
-        stop = point if heading is None else (*point, heading)
-        via.append(stop)
+            if heading is not None:
+                point.append(heading)
+        via.append(tuple(point))
     return tuple(via)
 
 
@@ -422,14 +431,14 @@ def checked_order(order: str) -> Order:
         raise ScenarioError(f"order is {short(order)}; expected {' or '.join(Order)}") from None
 
 
-def _flag(name: str, value: Any) -> bool:
+def _closed(value: Any) -> bool:
     if not isinstance(value, bool | np.bool_):
-        raise ScenarioError(f"{name} is {short(value)}; expected true or false")
+        raise ScenarioError(f"closed is {short(value)}; expected true or false")
     return bool(value)
 
 
 def _refuse_target(
-    closed: bool, target_x: Any, target_y: Any, final_heading: Any, passes: bool
+    closed: bool, target_x: Any, target_y: Any, final_heading: Any, via: tuple[Any, ...]
 ) -> None:
     """Refuse targets that contradict the scenario's end.
 
@@ -438,13 +447,16 @@ def _refuse_target(
     fields = {"target_x": target_x, "target_y": target_y, "final_heading": final_heading}
     for name, value in fields.items():
         if value is not None:
-            why = "a closed path ends as it starts" if closed else "the tour ends at any point"
-            out = f"leave out {name} or closed" if closed else "leave it out"
-            message = f"{name} is {short(value)}, but {why}; {out} (in a table: an empty cell)"
+            why = "the tour ends at any point; leave it out"
+            if closed:
+                why = f"a closed path ends as it starts; leave out {name} or closed"
+            message = f"{name} is {short(value)}, but {why} (in a table: an empty cell)"
             raise ScenarioError(message)
-    if not passes:
-        this = "a closed path" if closed else "a tour without a target"
-        raise ScenarioError(f"via is empty; expected points to pass, which {this} needs")
+    if not via:
+        subject = "a tour without a target"
+        if closed:
+            subject = "a closed path"
+        raise ScenarioError(f"via is empty; expected points to pass, which {subject} needs")
 
 
 def _check_neighbours(
@@ -457,7 +469,9 @@ def _check_neighbours(
     back = target == points[0]
     if order is Order.FREE:
         places: dict[tuple[float, float], int] = {}
-        different = points[:-1] if back else points
+        different = points
+        if back:
+            different = points[:-1]
         for place, point in enumerate(different):
             if point in places:
                 raise ScenarioError(
@@ -469,10 +483,13 @@ def _check_neighbours(
         return
     for place, (point, following) in enumerate(pairwise(points), 1):
         if point == following:
-            end = "the start, where the path ends," if back else "the target"
-            this = f"via point {place}" if place < len(points) - 1 else end
+            subject = "the target"
+            if back:
+                subject = "the start, where the path ends,"
+            if place < len(points) - 1:
+                subject = f"via point {place}"
             raise ScenarioError(
-                f"{this} is {short(following)}, the same point as the one before it; "
+                f"{subject} is {short(following)}, the same point as the one before it; "
                 "expected a point apart from the points before and after it"
             )
 
@@ -499,8 +516,7 @@ def checked_number(name: str, value: float | str | None) -> float:
         raise ScenarioError(f"{name}: {error}, {CONVENTION}") from None
     except Exception:  # of a class of the caller's
         raise ScenarioError(f"{name} is {short(value)}; expected a number") from None
-    least = SMALLEST if name in POSITIVE else -LARGEST
-    if not least <= number <= LARGEST:  # nor is NaN
+    if not LEAST.get(name, -LARGEST) <= number <= LARGEST:  # nor is NaN
         expected = f"a finite number of size up to {LARGEST:g}"
         if "heading" in name:
             expected += ", or None where it is free"

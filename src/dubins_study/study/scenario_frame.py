@@ -23,9 +23,9 @@ from dubins_study.study.scenario import (
     HEADINGS,
     LARGEST,
     LARGEST_EXTENT,
+    LEAST,
     NUMBERS,
     POSITIVE,
-    SMALLEST,
     TOUR,
     VIA,
     Scenario,
@@ -90,7 +90,7 @@ def _columns_of_numbers(frame: pd.DataFrame) -> dict[str, Any] | None:
     Each column is checked as a whole. None if the rows have to be read one by one.
     """
     n = len(frame)
-    if not n or any(name in frame and not frame[name].isna().all() for name in ("via", *VIA)):
+    if not n or any(name in frame and frame[name].notna().any() for name in ("via", *VIA)):
         return None
     if any(name in frame and not (frame[name] == DEFAULTS[name]).all() for name in TOUR):
         return None
@@ -100,7 +100,9 @@ def _columns_of_numbers(frame: pd.DataFrame) -> dict[str, Any] | None:
         if column is None:
             return None
         columns[name] = column
-    columns["label"] = _labels(frame) if "label" in frame else ""
+    columns["label"] = ""
+    if "label" in frame:
+        columns["label"] = _labels(frame)
     if columns["label"] is None:
         return None
     # as if one row had the largest coordinates and the smallest radius, which few frames have
@@ -128,8 +130,7 @@ def _doubles(frame: pd.DataFrame, name: str) -> FloatArray | None:
     None if one of them is refused, or is a text.
     """
     if name not in frame:
-        default = DEFAULTS.get(name)
-        number = math.nan if default is None else default
+        number = np.array(DEFAULTS.get(name), np.float64)  # None becomes NaN
         # takes no memory
         return np.broadcast_to(number, len(frame))
     if frame[name].dtype.kind not in "iuf":
@@ -138,11 +139,14 @@ def _doubles(frame: pd.DataFrame, name: str) -> FloatArray | None:
         values = frame[name].to_numpy(dtype=np.float64, na_value=np.nan).view()
     values.flags.writeable = False  # the frame's other readers share the array
     # min and max see NaN and both infinities without a temporary array of the frame's length
-    low, high = values.min(), values.max()
+    low = values.min()
+    high = values.max()
     if name == "final_heading":  # free where it is NaN
-        low, high = np.fmin.reduce(values, initial=1.0), np.fmax.reduce(values, initial=1.0)
-    least = SMALLEST if name in POSITIVE else -LARGEST
-    return values if least <= low and high <= LARGEST else None  # neither holds for NaN
+        low = np.fmin.reduce(values, initial=1.0)
+        high = np.fmax.reduce(values, initial=1.0)
+    if LEAST.get(name, -LARGEST) <= low and high <= LARGEST:  # neither holds for NaN
+        return values
+    return None
 
 
 def _labels(frame: pd.DataFrame) -> pd.Series[Any] | None:
@@ -156,7 +160,9 @@ def _labels(frame: pd.DataFrame) -> pd.Series[Any] | None:
     if infer_dtype(labels, skipna=False) != "string" or labels.isna().any():
         return None
     storable = (text == text.encode("utf-8", "ignore").decode() for text in labels.unique())
-    return labels if all(storable) else None
+    if not all(storable):
+        return None
+    return labels
 
 
 def _columns_row_by_row(frame: pd.DataFrame) -> dict[str, Any]:
@@ -256,9 +262,10 @@ def scenario_of(row: Mapping[Any, Any]) -> Scenario:
             if len(xs) != len(others):
                 counts = f"via_x has {len(xs)} numbers and {name} has {len(others)}"
                 raise ScenarioError(f"{counts}; expected as many")
-        headings = headings or [math.nan] * len(xs)
-        stops = zip(xs, ys, headings, strict=True)
-        via = [(x, y, None if math.isnan(heading) else heading) for x, y, heading in stops]
+        via = [[x, y] for x, y in zip(xs, ys, strict=True)]
+        for stop, heading in zip(via, headings, strict=False):  # `headings` may be empty
+            if not math.isnan(heading):
+                stop.append(heading)
     return Scenario(**fields, via=via, _radians=True)
 
 
@@ -284,10 +291,13 @@ def numbers_of(name: str, value: Any) -> list[float] | None:
         items = list(value)
     else:
         items = [value]
-    if headings:
-        items = [None if is_missing(item) or item == FREE else item for item in items]
-        return [math.nan if item is None else checked_number(name, item) for item in items] or None
-    return [checked_number(name, item) for item in items] or None
+    numbers = []
+    for item in items:
+        number = math.nan
+        if not headings or not (is_missing(item) or item == FREE):
+            number = checked_number(name, item)
+        numbers.append(number)
+    return numbers or None
 
 
 def is_missing(value: Any) -> bool:
@@ -339,7 +349,10 @@ def _heading_text(heading: float | None) -> str:
     """
     if heading is None:
         return FREE
-    return number_text(heading) + ("rad" if abs(heading) > LARGEST_BARE else "")
+    text = number_text(heading)
+    if abs(heading) > LARGEST_BARE:
+        text += "rad"
+    return text
 
 
 def number_text(value: object) -> str:

@@ -74,7 +74,9 @@ def plugin_file(name: str) -> PluginFile | None:
     None for a registered name.
     """
     file, mark, class_name = name.rpartition(".py:")
-    return PluginFile(f"{file}.py", class_name) if mark else None
+    if not mark:
+        return None
+    return PluginFile(f"{file}.py", class_name)
 
 
 _BRACES = re.compile(r"\{([^{}]*)\}")
@@ -93,7 +95,8 @@ def written_out(spec: str) -> list[str]:
             f"solver {spec!r:.80}: its brackets do not match; expected name[setting=value] or "
             "name[setting={a,b}]"
         )
-    choices = [text.split(",") if place % 2 else [text] for place, text in enumerate(texts)]
+    choices = [[text] for text in texts]
+    choices[1::2] = [text.split(",") for text in texts[1::2]]
     if math.prod(map(len, choices)) > MOST_SPECS:
         raise SolverError(
             f"solver {spec!r:.80}: more than {MOST_SPECS} specs, braces written out; expected fewer"

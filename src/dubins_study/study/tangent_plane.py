@@ -70,7 +70,9 @@ class TangentPlane:
         """Largest relative error of a length near the points."""
         away = np.hypot(*np.asarray(points, dtype=float).reshape(-1, 2).T)
         angle = float(away.max(initial=0.0)) / _geodesic().a
-        return angle / math.sin(angle) - 1 if 0 < angle < math.pi else 0.0
+        if not 0 < angle < math.pi:
+            return 0.0
+        return angle / math.sin(angle) - 1
 
     def on_earth(self, points: ArrayLike) -> Iterable[tuple[float, float, float]]:
         """Longitude, latitude (degrees) and convergence (rad).

@@ -24,8 +24,10 @@ def doubtful_units(scenario: Scenario) -> str | None:
         return None
     points = scenario.points[1:]
     extent = float(np.ptp(points, axis=0).max())
-    like_degrees = scenario.radius > 1 and bool((np.abs(points) <= _DEGREES).all())
-    if extent > (1.0 if like_degrees else _TOGETHER) * scenario.radius:
+    odd_extent = _TOGETHER
+    if scenario.radius > 1 and (np.abs(points) <= _DEGREES).all():
+        odd_extent = 1.0
+    if extent > odd_extent * scenario.radius:
         return None
     kinds = "degrees, or kilometres beside a radius in metres"
     return (

@@ -93,7 +93,10 @@ def plain(text: str, kept: str = "") -> str:
     """
     if text.isprintable():
         return text
-    return "".join(c if c.isprintable() or c in kept else repr(c)[1:-1] for c in text)
+    for character in set(text):
+        if not character.isprintable() and character not in kept:
+            text = text.replace(character, repr(character)[1:-1])
+    return text
 
 
 def unwritable(file: Path) -> str | None:
@@ -105,8 +108,9 @@ def unwritable(file: Path) -> str | None:
         if file.is_dir():
             return os.strerror(errno.EISDIR)
         if file.exists():
-            return None if os.access(file, os.W_OK) else os.strerror(errno.EACCES)
-        if not file.is_symlink():  # a link to a file that is not there stays as it is
+            if not os.access(file, os.W_OK):
+                return os.strerror(errno.EACCES)
+        elif not file.is_symlink():  # a link to a file that is not there stays as it is
             file.touch()
             file.unlink()
     except OSError as error:
@@ -123,7 +127,9 @@ def short(value: Any) -> str:
         text = repr(value)
     except Exception:  # an integer of more than 4300 digits, or a class of a plug-in
         return f"a value of type {type(value).__name__}"
-    return text if len(text) <= _SHORT else f"{text[: _SHORT - 3]}..."
+    if len(text) <= _SHORT:
+        return text
+    return f"{text[: _SHORT - 3]}..."
 
 
 def printable_text(text: str) -> str:
@@ -165,7 +171,9 @@ def nearest(name: object, known: Iterable[str]) -> str | None:
     for candidate in known:
         by_folded.setdefault(candidate.casefold(), candidate)
     matches = get_close_matches(name.casefold(), by_folded, n=1, cutoff=_LEAST_ALIKE)
-    return by_folded[matches[0]] if matches else None
+    if not matches:
+        return None
+    return by_folded[matches[0]]
 
 
 def did_you_mean(name: object, known: Iterable[str]) -> str:
@@ -174,4 +182,6 @@ def did_you_mean(name: object, known: Iterable[str]) -> str:
     It stands before the list of all names. It is empty if no name is near.
     """
     match = nearest(name, known)
-    return "" if match is None else f"did you mean {match!r}? "
+    if match is None:
+        return ""
+    return f"did you mean {match!r}? "

@@ -310,5 +310,7 @@ def short_word(word: str, most: int = 60) -> str:
         return word
     beginning = word[:most].rpartition(" ")[0] or word[:most]
     legs = len(word.split(" "))
-    count = f"{legs} legs" if legs > 1 else f"{len(word)} letters"
+    count = f"{len(word)} letters"
+    if legs > 1:
+        count = f"{legs} legs"
     return f"{beginning} ... ({count})"

@@ -46,7 +46,7 @@ class Enclosure(NamedTuple):
     def exists(self) -> bool:
         return math.isfinite(self.high)
 
-    def nearest(self, length: float, tolerance: float = 0.0) -> float | None:
+    def nearest(self, length: float, tolerance: float) -> float | None:
         """Largest of the lengths not above `length`.
 
         It is the least of them if all are above. A part that begins within the tolerance above
@@ -54,8 +54,10 @@ class Enclosure(NamedTuple):
         """
         if not self.parts:
             return None
-        below = [part for part in self.parts if part[0] <= length + tolerance]
-        low, high = below[-1] if below else self.parts[0]
+        low, high = self.parts[0]
+        for part in self.parts:
+            if part[0] <= length + tolerance:
+                low, high = part
         return max(low, min(high, length))
 
     def highest(self, arriving: float | None) -> float:
@@ -66,7 +68,9 @@ class Enclosure(NamedTuple):
         """
         if not self.absent:
             return self.high
-        return math.inf if arriving is None else max(self.high, arriving)
+        if arriving is None:
+            return math.inf
+        return max(self.high, arriving)
 
     def holds(self, length: float, tolerance: float) -> bool:
         """Whether a part holds a length, within tolerance."""

@@ -87,14 +87,20 @@ def measure(path: Path, radius: float, free: bool = True) -> tuple[Extremal | No
     driven = rates, lengths
     rates, lengths = pieces(rates, lengths)
     if not rates:
-        return None, math.pi if free else None
+        if free:
+            return None, math.pi
+        return None, None
     word = _word(rates, lengths, free)
     if word is None and free:  # in a short path, a tiny turn may count as straight
         word = _word(*driven, free)
     if word is None:
         return extremal(path.start.heading, rates, lengths, free), None
     x, y, abnormal, H, margin = costates(path.start.heading, word)
-    transversality = 0.0 if free else None
+    transversality = None
+    cut = None
+    if free:
+        transversality = 0.0
+        cut = cut_margin(word)
     best = Extremal(
         costate_x=x,
         costate_y=y,
@@ -104,7 +110,7 @@ def measure(path: Path, radius: float, free: bool = True) -> tuple[Extremal | No
         transversality=transversality,
         pmp_residual=max(H, -margin),
     )
-    return best, cut_margin(word) if free else None
+    return best, cut
 
 
 def _word(u: list[float], length: list[float], free: bool) -> Word | None:
@@ -131,7 +137,9 @@ def _word(u: list[float], length: list[float], free: bool) -> Word | None:
         is_word = len(arcs) <= 2 and second[0] in (0.0, -first[0])
     else:
         is_word = len(arcs) <= 3 and (second[0] == 0.0 or first[0] == third[0] == -second[0])
-    return (first, second, third) if is_word else None
+    if not is_word:
+        return None
+    return first, second, third
 
 
 def pieces(rate: list[float], length: list[float]) -> tuple[list[float], list[float]]:
@@ -188,7 +196,7 @@ def _apart(u: list[float], length: list[float]) -> bool:
     least = NO_LENGTH * min(1.0, sum(length))
     # first a test that a path cut into many steps fails at once
     return all(abs(a - b) > FULL_RATE for a, b in pairwise(u)) and all(
-        abs(k) * s > NO_TURN if abs(k) > FULL_RATE else k == 0 and s > least
+        (abs(k) > FULL_RATE and abs(k) * s > NO_TURN) or (k == 0 and s > least)
         for k, s in zip(u, length, strict=True)
     )
 
@@ -202,9 +210,7 @@ def _joined(u: FloatArray, length: FloatArray) -> tuple[FloatArray, FloatArray]:
     return u[first], joined
 
 
-def extremal(
-    heading: float, u: list[float], length: list[float], free: bool = True
-) -> Extremal | None:
+def extremal(heading: float, u: list[float], length: list[float], free: bool) -> Extremal | None:
     """Costates that fit a path best, with residuals.
 
     None where the conditions overflow. The path starts with a heading (rad) and has pieces of rates
@@ -217,9 +223,11 @@ def extremal(
     hamiltonian = path_conditions.hamiltonian
     straight = path_conditions.straight
     arcs = path_conditions.arcs
-    ends = path_conditions.ends if free else []
+    rows = [*hamiltonian, *straight]
+    if free:
+        rows += path_conditions.ends
     # rows of zeros keep the matrix as high as it is wide
-    matrix = np.array([*hamiltonian, *straight, *ends, *[(0.0,) * 4] * 3])
+    matrix = np.array([*rows, *[(0.0,) * 4] * 3])
     null_vector = np.linalg.svd(matrix, full_matrices=False)[2][-1].tolist()
     size = max(abs(null_vector[0]), math.hypot(null_vector[1], null_vector[2]))
     if not size > 0:
@@ -227,17 +235,23 @@ def extremal(
         return None
     null_vector = [c / size for c in null_vector]
     abnormal = abs(null_vector[0]) < ABNORMAL
-    signs = (1.0, -1.0) if abnormal else (math.copysign(1.0, null_vector[0]),)
+    signs = [math.copysign(1.0, null_vector[0])]
+    if abnormal:
+        signs = [1.0, -1.0]
     signed = [[sign * c for c in null_vector] for sign in signs]
     margins = [sign_margin(one, arcs) for one in signed]
     margin = max(margins)
     best = signed[margins.index(margin)]
     H = largest(hamiltonian, best)
     nu0, nu1, nu2, nu3 = best
-    transversality = abs(nu3) / path_conditions.stretch if free else None
+    transversality = None
+    if free:
+        transversality = abs(nu3) / path_conditions.stretch
     if not abnormal:
-        nu1, nu2 = nu1 / nu0, nu2 / nu0
-    c, s = math.cos(heading), math.sin(heading)
+        nu1 /= nu0
+        nu2 /= nu0
+    c = math.cos(heading)
+    s = math.sin(heading)
     return Extremal(
         costate_x=nu1 * c - nu2 * s,
         costate_y=nu1 * s + nu2 * c,
@@ -270,7 +284,7 @@ def conditions(u: list[float], length: list[float], start: Pose) -> Conditions |
     """
     driven = np.array(length)
     # a straight that bends has a condition in its middle too: nu3 may vanish at its two ends only
-    halves = np.array([2 if k != 0 and abs(k) < 1 - FULL_RATE else 1 for k in u], np.intp)
+    halves = np.array([1 + (k != 0 and abs(k) < 1 - FULL_RATE) for k in u], np.intp)
     rates = np.repeat(u, halves)
     poses = corners(start, rates, np.repeat(driven / halves, halves)).tolist()
     stretch = max(1.0, float(driven.sum()))

@@ -54,14 +54,16 @@ def route_extremal(
     legs = [leg for leg in route_legs(path, at, radius) if leg is not None]
     if len(legs) <= len(at):
         return None
-    fits = [_measure(legs, free, path.start.heading, jumps=(), until=until)]
-    if (fits[0] is None or fits[0].pmp_residual > _EXTREMAL) and (jumps := _jumps(legs, free)):
-        fits.append(_measure(legs, free, path.start.heading, jumps=jumps, until=until))
-    extremals = [fit for fit in fits if fit is not None]
+    fit = _measure(legs, free, path.start.heading, jumps=(), until=until)
+    jumps = _jumps(legs, free)
+    if not jumps or (fit is not None and not fit.pmp_residual > _EXTREMAL):
+        return fit
+    other = _measure(legs, free, path.start.heading, jumps=jumps, until=until)
+    extremals = [each for each in (fit, other) if each is not None]
     return min(extremals, key=attrgetter("pmp_residual"), default=None)
 
 
-def _jumps(legs: Sequence[Conditions], free: bool) -> tuple[int, ...]:
+def _jumps(legs: Sequence[Conditions], free: bool) -> list[int]:
     """Legs before which nu3 may jump.
 
     They are where a chain of single arcs from a given heading ends. A single arc to a point on the
@@ -69,9 +71,10 @@ def _jumps(legs: Sequence[Conditions], free: bool) -> tuple[int, ...]:
     turn. So that heading is as good as given.
     """
     arcs = [len(leg.hamiltonian) == len(leg.arcs) == 1 for leg in legs]
-    first = list(takewhile(lambda i: arcs[i - 1], range(1, len(legs))))
-    last = () if free else takewhile(lambda i: arcs[i], range(len(legs) - 1, 0, -1))
-    return (*first, *last)
+    jumps = list(takewhile(lambda i: arcs[i - 1], range(1, len(legs))))
+    if not free:
+        jumps += takewhile(lambda i: arcs[i], range(len(legs) - 1, 0, -1))
+    return jumps
 
 
 def _measure(
@@ -86,8 +89,11 @@ def _measure(
     margin = min((sign_margin(nu, leg.arcs) for nu, leg in pairs if leg.arcs), default=0.0)
     equations, constants = _equations(legs, free, jumps)
     _, nu1, nu2, nu3 = costates[-1]
-    c, s = math.cos(heading), math.sin(heading)
-    transversality = abs(nu3) / legs[-1].stretch if free else None
+    c = math.cos(heading)
+    s = math.sin(heading)
+    transversality = None
+    if free:
+        transversality = abs(nu3) / legs[-1].stretch
     return Extremal(
         costate_x=nu1 * c - nu2 * s,
         costate_y=nu1 * s + nu2 * c,
@@ -114,10 +120,12 @@ def route_legs(path: Path, at: Sequence[float], radius: float) -> Iterator[Condi
     cuts = np.where(np.abs(nearest - cuts) <= _BESIDE, nearest, cuts)
     for begin, end in pairwise(cuts.tolist()):
         part, lengths = cut_out(ends, begin, end)
-        on = lengths > 0.0
-        rates = rate[part][on]
-        yield conditions(*pieces(rates.tolist(), lengths[on].tolist()), Pose(0.0, 0.0, turned))
-        turned += float(rates @ lengths[on])
+        driven = lengths > 0.0
+        rates = rate[part][driven]
+        lengths = lengths[driven]
+        leg_pieces = pieces(rates.tolist(), lengths.tolist())
+        yield conditions(*leg_pieces, Pose(0.0, 0.0, turned))
+        turned += float(rates @ lengths)
 
 
 def route_costates(
@@ -201,5 +209,6 @@ def _matrix(rows: Sequence[tuple[float, ...]], columns: IntArray, n: int) -> coo
     Each row has numbers in some columns.
     """
     numbers = np.array(rows, np.float64).reshape(columns.shape)
-    at = np.repeat(np.arange(len(rows)), columns.shape[1]), np.maximum(columns, 0).ravel()
-    return coo_array((numbers.ravel(), at), shape=(len(rows), n))
+    row_places = np.repeat(np.arange(len(rows)), columns.shape[1])
+    places = row_places, np.maximum(columns, 0).ravel()
+    return coo_array((numbers.ravel(), places), shape=(len(rows), n))

@@ -28,7 +28,9 @@ Word = tuple[Piece, Piece, Piece]
 
 def nearest_rate(u: float) -> float:
     """Nearest of the rates +1, 0 and -1."""
-    return math.copysign(1.0, u) if abs(u) > 0.5 else 0.0
+    if abs(u) > 0.5:
+        return math.copysign(1.0, u)
+    return 0.0
 
 
 def cut_margin(word: Word) -> float:
@@ -41,7 +43,9 @@ def cut_margin(word: Word) -> float:
     if turn2 != 0.0:
         longest = 2 * math.atan2(-math.sin(second), 2 - math.cos(second))
         return min(second - math.pi, TWO_PI - second, longest - first)
-    return math.pi if turn1 == 0.0 else 2 * (math.pi - math.atan(second)) - first
+    if turn1 == 0.0:
+        return math.pi
+    return 2 * (math.pi - math.atan(second)) - first
 
 
 def costates(heading: float, word: Word) -> tuple[float, float, bool, float, float]:
@@ -83,28 +87,39 @@ def costates(heading: float, word: Word) -> tuple[float, float, bool, float, flo
     abnormal = nu0 < ABNORMAL
     if abnormal:  # either sign will do
         other = sign_margin([nu0, -rho, 0.0, 0.0], arcs)
-        rho, margin = (-rho, other) if other > margin else (rho, margin)
+        if other > margin:
+            rho = -rho
+            margin = other
     x1, y1 = _displacement(turn1, first, 0.0)
     x2, y2 = _displacement(turn2, second, middle)
-    along, across = math.cos(phi), math.sin(phi)
-    nu1, nu2 = rho * along, rho * across
-    start_nu3, last_nu3 = nu2 * x1 - nu1 * y1, nu1 * y2 - nu2 * x2
+    along = math.cos(phi)
+    across = math.sin(phi)
+    nu1 = rho * along
+    nu2 = rho * across
+    start_nu3 = nu2 * x1 - nu1 * y1
+    last_nu3 = nu1 * y2 - nu2 * x2
     H1 = nu0 + nu1 + turn1 * start_nu3
     H2 = nu0 + rho * math.cos(middle - phi)
     H3 = nu0 + rho * math.cos(last - phi) + turn3 * last_nu3
     inflected = abs(last_nu3) / max(1.0, first + second + third)
     worst = max(max(abs(H1), abs(H2)), max(abs(H3), inflected))
-    size = rho if abnormal else rho / nu0
+    size = rho
+    if not abnormal:
+        size = rho / nu0
     # turn by the heading separately: added to a heading of many turns, phi would lose its digits
-    c, s = math.cos(heading), math.sin(heading)
-    x, y = size * (c * along - s * across), size * (s * along + c * across)
+    c = math.cos(heading)
+    s = math.sin(heading)
+    x = size * (c * along - s * across)
+    y = size * (s * along + c * across)
     return x, y, abnormal, worst, margin
 
 
 def _displacement(turn: float, length: float, heading: float) -> tuple[float, float]:
     """Displacement (radii) of a piece driven from a heading."""
     half = turn * length / 2
-    chord = length * (math.sin(half) / half if half != 0.0 else 1.0)
+    chord = length
+    if half != 0.0:
+        chord = length * (math.sin(half) / half)
     return chord * math.cos(heading + half), chord * math.sin(heading + half)
 
 
@@ -121,8 +136,9 @@ def sign_margin(nu: list[float], arcs: list[tuple[float, float]]) -> float:
     opposite = math.atan2(-nu2, -nu1)
     nearest = -1.0
     for before, after in arcs:
-        a, b = before - opposite, after - opposite
-        passed = max(a, b) // TWO_PI > min(a, b) // TWO_PI
-        nearest_on_arc = 1.0 if passed else max(math.cos(a), math.cos(b))
-        nearest = max(nearest, nearest_on_arc)
+        a = before - opposite
+        b = after - opposite
+        if max(a, b) // TWO_PI > min(a, b) // TWO_PI:
+            return nu0 - math.hypot(nu1, nu2)
+        nearest = max(nearest, math.cos(a), math.cos(b))
     return nu0 - math.hypot(nu1, nu2) * nearest

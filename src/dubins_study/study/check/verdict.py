@@ -42,8 +42,9 @@ def visited(scenario: Scenario, visits: Visits, end: Pose) -> Scenario:
     """
     stops = []
     for i, pose in zip(visits.order, visits.poses, strict=True):
-        has_heading = scenario.stops[i].heading is not None
-        stop = tuple(pose) if has_heading else (pose.x, pose.y)
+        stop = tuple(pose)
+        if scenario.stops[i].heading is None:
+            stop = stop[:2]
         stops.append(stop)
     begin = (scenario.x, scenario.y)
     moved: dict[str, Any] = {}
@@ -55,14 +56,16 @@ def visited(scenario: Scenario, visits: Visits, end: Pose) -> Scenario:
     way = [next(same) for _, same in groupby([begin, *stops], key=itemgetter(0, 1))]
     if scenario.order is Order.FREE:
         way = list({stop[:2]: stop for stop in way}.values())
-    via = way[1:-1] if "target_x" in moved else way[1:]
+    via = way[1:]
+    if "target_x" in moved:
+        via = via[:-1]
     moved["via"] = tuple(via)
     if scenario.target is None and not moved["via"]:  # the path visits all points where it starts
         moved |= {"target_x": scenario.x, "target_y": scenario.y}
-    there = copy(scenario)  # the end may lie beyond what a scenario may ask for
+    changed = copy(scenario)  # the end may lie beyond what a scenario may ask for
     for name, value in moved.items():
-        object.__setattr__(there, name, value)
-    return there
+        object.__setattr__(changed, name, value)
+    return changed
 
 
 def path_word_of(path: Path) -> str:
@@ -70,8 +73,9 @@ def path_word_of(path: Path) -> str:
 
     The path may be cut into any number of arcs.
     """
-    least_turn = WORD if path.lengths.size <= 3 else DISCRETISED_WORD
-    return path.word(least_turn)
+    if path.lengths.size <= 3:
+        return path.word(WORD)
+    return path.word(DISCRETISED_WORD)
 
 
 def is_wrong_basin(
@@ -99,8 +103,7 @@ def curvature_excess(curvature: Sequence[float], branch: str) -> float:
     if not TURN.keys() >= set(branch):  # no word
         return max(0.0, max(map(abs, curvature)) - 1.0)
     if branch in ("LS", "RS"):
-        side = 1 if branch[0] == "L" else -1
-        first = [side * u for u in curvature]
+        first = [TURN[branch[0]] * u for u in curvature]
         return max(0.0, max(first) - 1.0, -min(first))
     # for each letter: least excess of the arcs so far, if it drives the last of them
     letters = [TURN[letter] for letter in branch]
@@ -160,16 +163,18 @@ def seen_of(scenario: Scenario, path: Path, branch: str, tolerances: Tolerances)
     if scenario.target is not None:
         x, y = scenario.target
         miss = max(math.hypot(end.x - x, end.y - y), miss)
-    final = path.start.heading if scenario.closed else scenario.final_heading
+    final = scenario.final_heading
+    if scenario.closed:
+        final = path.start.heading
     turned = max(turned, off_heading(final, end.heading, driven=length / radius))
-    there = arrives(miss, radius, extent=extent, length=length, allowed=tolerances.miss)
+    near = arrives(miss, radius, extent=extent, length=length, allowed=tolerances.miss)
     return Seen(
         visits=via_visits,
         end=end,
         miss=miss,
         turned=turned,
         excess=excess,
-        arrives=there and turned <= HEADED,
+        arrives=near and turned <= HEADED,
     )
 
 

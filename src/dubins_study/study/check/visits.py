@@ -72,9 +72,12 @@ def visits(
     miss = 0.0
     arc_lengths: list[float] = []
     for stop in via:
-        after = 0.0 if any_order else at
-        at, reached, distance = pieces.visit(stop, at=after, allowed=allowed / radius)
-        nearest = reached if any_order else max(nearest, reached)
+        if any_order:
+            at = 0.0
+        at, reached, distance = pieces.visit(stop, at=at, allowed=allowed / radius)
+        if not any_order:
+            reached = max(nearest, reached)
+        nearest = reached
         miss = max(miss, distance * radius)
         arc_lengths.append(min(nearest * radius, path.length))
     order = np.argsort(arc_lengths, kind="stable").tolist()
@@ -113,7 +116,8 @@ class _Pieces:
         self.side = np.where(rate < 0, -1.0, 1.0)
         poses = path.poses
         self.x, self.y, self.heading = poses[:-1].T
-        self.cos, self.sin = np.cos(self.heading), np.sin(self.heading)
+        self.cos = np.cos(self.heading)
+        self.sin = np.sin(self.heading)
         self.last = Pose(*poses[-1])
 
     def visit(self, stop: Stop, at: float, allowed: float) -> tuple[float, float, float]:
@@ -135,7 +139,7 @@ class _Pieces:
             within, nearest, distance = self._passing(
                 slice(begin, end), x, y, at=at, allowed=allowed
             )
-            passings = []
+            chosen = None
             for first in np.flatnonzero(~np.isnan(within)).tolist():
                 last = first
                 # the path still comes nearer at the end of a piece
@@ -143,17 +147,16 @@ class _Pieces:
                     if distance[last + 1] > distance[last]:
                         break
                     last += 1
-                passings.append((first, last))
                 if heading is None or self._fits(heading, piece=begin + last, along=nearest[last]):
-                    passings = passings[-1:]
+                    chosen = first, last
                     break
-            else:
-                passings = passings[:1] if end == n else []  # none has the heading
-            for first, last in passings:
-                if begin + last + 1 < end or end == n:
-                    visited = max(at, float(self.ends[begin + first] + within[first]))
-                    reached = max(at, float(self.ends[begin + last] + nearest[last]))
-                    return visited, reached, float(distance[last])
+                if chosen is None and end == n:  # the first one counts if none has the heading
+                    chosen = first, last
+            if chosen is not None and (begin + chosen[1] + 1 < end or end == n):
+                first, last = chosen
+                visited = max(at, float(self.ends[begin + first] + within[first]))
+                reached = max(at, float(self.ends[begin + last] + nearest[last]))
+                return visited, reached, float(distance[last])
         i = int(np.argmin(distance))
         reached = float(self.ends[begin + i] + nearest[i])
         return reached, reached, float(distance[i])
@@ -168,7 +171,7 @@ class _Pieces:
 
     @np.errstate(all="ignore")  # an overflow is no visit
     def _passing(
-        self, those: slice, x: float, y: float, at: float, allowed: float
+        self, part: slice, x: float, y: float, at: float, allowed: float
     ) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Where each piece passes a point.
 
@@ -176,14 +179,17 @@ class _Pieces:
         first is within the allowed distance, NaN if nowhere; where it then is nearest; and how
         near. If it never is within, the last two are of its least distance.
         """
-        k, length, cos, sin = (a[those] for a in (self.k, self.length, self.cos, self.sin))
-        dx, dy = (x - self.x[those]) / self.radius, (y - self.y[those]) / self.radius
-        X, Y = dx * cos + dy * sin, (dy * cos - dx * sin) * self.side[those]
+        k = self.k[part]
+        length = self.length[part]
+        dx = (x - self.x[part]) / self.radius
+        dy = (y - self.y[part]) / self.radius
+        X = dx * self.cos[part] + dy * self.sin[part]
+        Y = (dy * self.cos[part] - dx * self.sin[part]) * self.side[part]
         D = np.hypot(k * X, 1.0 - k * Y)
         g = (k * (X * X + Y * Y) - 2.0 * Y) / (1.0 + D)
         middle = np.arctan2(k * X, 1.0 - k * Y) / k
         turn = 2.0 * math.pi / k
-        begin = np.clip(at - self.ends[:-1][those], 0.0, length)
+        begin = np.clip(at - self.ends[:-1][part], 0.0, length)
         chord = np.sqrt((allowed - np.abs(g)) * (allowed + np.abs(g)) / D)  # NaN: never within
         width = 2.0 * np.arcsin(np.minimum(1.0, 0.5 * k * chord)) / k
         passed = middle + np.ceil((begin - width - middle) / turn) * turn
@@ -214,8 +220,8 @@ def cut_out(ends: FloatArray, begin: float, end: float) -> tuple[slice, FloatArr
         ends: of n pieces, shape (n + 1,); the first is 0.
     """
     first = max(int(np.searchsorted(ends, begin, "right")) - 1, 0)
-    those = slice(first, int(np.searchsorted(ends, end, "left")))
-    return those, np.minimum(ends[1:][those], end) - np.maximum(ends[:-1][those], begin)
+    part = slice(first, int(np.searchsorted(ends, end, "left")))
+    return part, np.minimum(ends[1:][part], end) - np.maximum(ends[:-1][part], begin)
 
 
 def legs(path: Path, at: Sequence[float], radius: float) -> Iterator[Path]:
@@ -227,6 +233,6 @@ def legs(path: Path, at: Sequence[float], radius: float) -> Iterator[Path]:
     ends = np.concatenate(([0.0], np.cumsum(path.lengths)))
     cuts = [0.0, *at, float(ends[-1])]
     for start, begin, end in zip(starts, cuts, cuts[1:], strict=False):
-        those, lengths = cut_out(ends, begin, end)
+        part, lengths = cut_out(ends, begin, end)
         mask = lengths > CUT * min(radius, lengths.sum())
-        yield Path(Pose(*start), path.curvatures[those][mask], lengths[mask])
+        yield Path(Pose(*start), path.curvatures[part][mask], lengths[mask])

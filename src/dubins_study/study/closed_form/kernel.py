@@ -89,7 +89,7 @@ def prepared(
     """
     arrays = [loop_input(column) for column in columns]
     n = arrays[0].size
-    rows = Rows.empty(segments, n) if out is None else out
+    rows = out or Rows.empty(segments, n)
     checked: list[NDArray[Any]] = [*arrays, *rows]
     for array in checked:
         if array.shape not in ((n,), (segments, n)):

@@ -53,8 +53,10 @@ class _Announcement(event.Listener):
         self.depth += 1
         module = compiling.data["dispatcher"].py_func.__module__
         part = next((part for part in _PARTS if module.startswith(f"{_PACKAGE}.{part}")), None)
-        # the check of rows is compiled with the loops over them, of whichever legs
-        announced = self.announced - {"study.route"} if part == "study" else self.announced & {part}
+        announced = self.announced & {part}
+        if part == "study":
+            # the check of rows is compiled with the loops over them, of whichever legs
+            announced = self.announced - {"study.route"}
         if part is None or announced or self.depth > 1:
             return
         self.announced.add(part)

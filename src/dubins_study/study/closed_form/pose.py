@@ -43,7 +43,8 @@ class Leg(NamedTuple):
 
 def leg(start: Pose, end: Pose, radius: float) -> Leg:
     """Leg between two poses (docs/derivation.md, section 14)."""
-    x, y = (end.x - start.x) / radius, (end.y - start.y) / radius
+    x = (end.x - start.x) / radius
+    y = (end.y - start.y) / radius
     extent = (abs(start.x) + abs(start.y) + abs(end.x) + abs(end.y)) / radius
     delta = pose_delta(extent, abs(x) + abs(y))
     return Leg(x, y, a=start.heading, b=end.heading, delta=delta)
@@ -291,7 +292,9 @@ def shortest_to_pose(
     else:
         index = WORDS6.index(branch)
         t, p, q = pose_segments(x, y, a, b, index, delta)
-    return None if math.isnan(t) else named(WORDS6[index], (t, p, q))
+    if math.isnan(t):
+        return None
+    return named(WORDS6[index], (t, p, q))
 
 
 def pose_path(start: Pose, end: Pose, radius: float, branch: str = "best") -> Path | None:
@@ -300,4 +303,6 @@ def pose_path(start: Pose, end: Pose, radius: float, branch: str = "best") -> Pa
     None where the branch has none.
     """
     shortest = shortest_to_pose(start, end, radius, branch)
-    return None if shortest is None else as_path(start, radius, shortest.word, shortest.segments)
+    if shortest is None:
+        return None
+    return as_path(start, radius, shortest.word, shortest.segments)

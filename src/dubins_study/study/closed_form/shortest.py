@@ -131,18 +131,24 @@ def shortest_local(target: Local, branch: str = "best") -> Shortest | None:
     None where the branch has none. The only tie of two different paths is straight behind; there LS
     is chosen.
     """
-    if branch != "best":
-        X, Y, delta = target.mirrored if branch in ("RS", "LR") else target
-        find = left_straight if branch in ("LS", "RS") else right_left
-        arcs = find(X, Y, delta)
-        return None if math.isnan(arcs[0]) else named(branch, arcs)
+    if branch in ("RS", "LR"):
+        target = target.mirrored
     X, Y, delta = target
-    left = chosen_side(Y, delta)
+    if branch != "best":
+        segments_of = right_left
+        if branch in ("LS", "RS"):
+            segments_of = left_straight
+        segments = segments_of(X, Y, delta)
+        if math.isnan(segments[0]):
+            return None
+        return named(branch, segments)
     on_axis = chosen_side(-abs(Y), delta)
     first, second, arcs_only = best_segments(X, abs(Y), delta)
-    letters = "LS" if left else "RS"
+    letters = "LS"
     if arcs_only:
-        letters = "RL" if left else "LR"
+        letters = "RL"
+    if not chosen_side(Y, delta):
+        letters = {"LS": "RS", "RL": "LR"}[letters]
     shortest = named(letters, (first, second))
     if not (on_axis and first > 0.0):
         return shortest
@@ -208,7 +214,9 @@ def region_of(left: float, right: float) -> str:
         return LEFT_DISC
     if right > 0:
         return RIGHT_DISC
-    return CIRCLE if left == 0 or right == 0 else OUTSIDE
+    if left == 0 or right == 0:
+        return CIRCLE
+    return OUTSIDE
 
 
 def margin_local(X: float, y: float) -> float:

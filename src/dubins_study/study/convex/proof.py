@@ -79,7 +79,8 @@ def _outside(values: FloatArray, cones: Any) -> FloatArray:
 
     It is the excess of the norm over the first number.
     """
-    return np.array([np.linalg.norm(values[p][1:]) - values[p][0] for p in _parts(cones)])
+    blocks = [values[part] for part in _parts(cones)]
+    return np.array([np.linalg.norm(block[1:]) - block[0] for block in blocks])
 
 
 def upper_bound(problem: Problem, x: FloatArray) -> float:
@@ -138,9 +139,11 @@ def _step(problem: Problem, x: FloatArray, inside: FloatArray) -> float:
         ends = values - problem.l[rows], problem.u[rows] - values
         return np.concatenate((*ends, point - problem.lb, problem.ub - point, cones))
 
-    here, there = room(x), room(inside)
-    short = here < np.minimum(there, 0.0)
-    return float(np.max(here[short] / (here[short] - there[short]), initial=0.0)) + _LEAST_STEP
+    before = room(x)
+    after = room(inside)
+    short = before < np.minimum(after, 0.0)
+    shares = before[short] / (before[short] - after[short])
+    return float(np.max(shares, initial=0.0)) + _LEAST_STEP
 
 
 def _feasible_objective(problem: Problem, x: FloatArray) -> float | None:
@@ -275,21 +278,24 @@ def judge_convex(
         low, high = reference(name)
         problem = read(name)
         if numbers is not None and numbers.size == problem.numbers and np.isfinite(numbers).all():
-            verdict, columns = _measure(name, problem.split(numbers), tolerance)
-            shares |= columns
+            point = problem.split(numbers)
+            verdict, shares = _measure(problem, point, tolerance, low=low, high=high)
     worst = max(shares.get(name, np.inf) for name in ("miss", "dual_residual", "duality_gap"))
     wrong = verdict is not Verdict.OPTIMAL and not worst <= tolerance
     false = claim is Claim.INFEASIBLE or (claim is Claim.OPTIMAL and wrong)
-    proof = Proof.PROVED if verdict is Verdict.OPTIMAL else Proof.NONE
+    proof = Proof.NONE
+    if verdict is Verdict.OPTIMAL:
+        proof = Proof.PROVED
     return (
         Judgement(verdict=verdict, false_claim=false, reference=low, **shares),
         Certificate(proof=proof, reference_low=low, reference_high=high),
     )
 
 
-def _measure(name: str, point: Point, tolerance: float) -> tuple[Verdict, dict[str, float]]:
-    problem = read(name)
-    low, high = reference(name)
+def _measure(
+    problem: Problem, point: Point, tolerance: float, low: float, high: float
+) -> tuple[Verdict, dict[str, float]]:
+    """Verdict on a point of finite numbers, with judgement columns."""
     primal, dual, gap = residuals(problem, point)
     value = upper_bound(problem, point.x)
     scale = max(1.0, abs(low))
@@ -304,4 +310,6 @@ def _measure(name: str, point: Point, tolerance: float) -> tuple[Verdict, dict[s
     shares |= {"length": value, "gap": (value - low) / scale}
     if shares["gap"] <= tolerance:
         return Verdict.OPTIMAL, shares
-    return (Verdict.LONGER if (value - high) / scale > tolerance else Verdict.UNDECIDED), shares
+    if (value - high) / scale > tolerance:
+        return Verdict.LONGER, shares
+    return Verdict.UNDECIDED, shares

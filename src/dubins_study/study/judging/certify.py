@@ -58,8 +58,12 @@ def certify(
     """
     kind = kind_of(scenario, branch)
     radius = scenario.radius
-    arriving = None if judged.gap is None else judged.length
-    bound = math.nan if lower_bound is None else lower_bound
+    arriving = None
+    if judged.gap is not None:
+        arriving = judged.length
+    bound = math.nan
+    if lower_bound is not None:
+        bound = lower_bound
     if kind.searched and arriving is None and math.isnan(bound):
         return Certificate(proof=Proof.NONE)  # no answer and no bound that would be worth a search
     costates, cut = Costates()
@@ -73,7 +77,11 @@ def certify(
     if judged.verdict is Verdict.NONE_EXISTS and interval.low == math.inf:
         proof = Proof.PROVED
     elif arriving is not None:
-        extremal = arriving == 0 or _is_extremal(costates, arriving / radius)
+        residual = math.inf
+        if costates is not None:
+            residual = costates.pmp_residual
+        rounding = PMP_ROUNDING * (arriving / radius)
+        extremal = arriving == 0 or residual <= PMP_TOLERANCE + rounding
         near = interval.exists and interval.holds(arriving, tolerance=allowed)
         clear = branch != "best" or (cut is not None and cut >= -CUT_TOLERANCE)
         alone = kind.by_interval or branch in _BY_INTERVAL
@@ -93,16 +101,6 @@ def certify(
     )
 
 
-def _is_extremal(costates: Extremal | None, length: float) -> bool:
-    """Whether Pontryagin's conditions hold of a path.
-
-    They hold up to the rounding of its length (radii).
-    """
-    if costates is None:
-        return False
-    return costates.pmp_residual <= PMP_TOLERANCE + PMP_ROUNDING * length
-
-
 def _columns(costates: Extremal | None, multipliers: tuple[float, float] | None) -> dict[str, Any]:
     """Columns of the costates in a row.
 
@@ -118,4 +116,6 @@ def _columns(costates: Extremal | None, multipliers: tuple[float, float] | None)
 
 
 def _finite(value: float) -> float | None:
-    return value if math.isfinite(value) else None
+    if not math.isfinite(value):
+        return None
+    return value

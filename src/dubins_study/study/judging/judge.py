@@ -5,7 +5,7 @@ It is compared with its question's reference.
 
 from __future__ import annotations
 
-from dubins_study.study.check.verdict import Seen, is_false, seen_of
+from dubins_study.study.check.verdict import is_false, seen_of
 from dubins_study.study.kinds.kind import Arrived
 from dubins_study.study.kinds.table import kind_of
 from dubins_study.study.path import Path, drivable
@@ -30,18 +30,25 @@ def judge(
     kind = kind_of(scenario, branch)
     columns = kind.known(scenario, branch)
     if path is None or not drivable(path):
-        verdict = Verdict.NONE if path is None else Verdict.MISSES
-        # the best path always exists, and nothing has to be searched for
-        denied = path is None and claim in DENIALS and branch != "best"
-        if denied and kind.reference(scenario, branch, tolerances).enclosure.absent:
-            verdict = Verdict.NONE_EXISTS
+        verdict = Verdict.MISSES
+        if path is None:
+            verdict = Verdict.NONE
+            # the best path always exists, and nothing has to be searched for
+            denied = claim in DENIALS and branch != "best"
+            if denied and kind.reference(scenario, branch, tolerances).enclosure.absent:
+                verdict = Verdict.NONE_EXISTS
         return Judgement(verdict=verdict, false_claim=is_false(claim, verdict), **columns)
     seen = seen_of(scenario, path, branch, tolerances)
     length = path.length
     # the ends of all legs but the last, which ends with the path
     ends = seen.visits.at[: scenario.legs - 1]
     word = kind.words_of(path, ends, scenario.radius)
-    start_heading = path.start.heading if scenario.heading is None else None
+    start_heading = None
+    if scenario.heading is None:
+        start_heading = path.start.heading
+    order = None
+    if scenario.order is Order.FREE:
+        order = list(map(float, seen.visits.order))
     verdict = Verdict.MISSES
     if seen.arrives and seen.excess <= tolerances.curvature and scenario.starts(path.start):
         verdict, verdict_columns = kind.verdict(
@@ -56,21 +63,11 @@ def judge(
         travel_time=length / scenario.speed,
         miss=seen.miss,
         visits=list(seen.visits.at) or None,
-        visit_order=_order(scenario, seen),
+        visit_order=order,
         start_heading=start_heading,
         curvature_excess=seen.excess,
         **columns,
     )
-
-
-def _order(scenario: Scenario, seen: Seen) -> list[float] | None:
-    """Via points of a tour, as they are visited.
-
-    They are given by their places in the scenario. None if the order is given.
-    """
-    if scenario.order is not Order.FREE:
-        return None
-    return list(map(float, seen.visits.order))
 
 
 def miss_reason(
@@ -89,7 +86,9 @@ def miss_reason(
         tolerances.miss, radius, extent=scenario.extent, length=path.length
     ):
         if seen.visits.miss == seen.miss:
-            in_order = ", in their order" if scenario.order is Order.GIVEN else ""
+            in_order = ""
+            if scenario.order is Order.GIVEN:
+                in_order = ", in their order"
             return f"the path passes {seen.miss / radius:.3g} R from a via point{in_order}"
         return f"the path ends {seen.miss / radius:.3g} R from the target"
     if seen.turned > HEADED:

@@ -68,7 +68,9 @@ _DENIALS = list(map(CLAIMS.index, DENIALS))
 
 def _number(value: float) -> float | None:
     """Number as a Python float; None for NaN."""
-    return None if math.isnan(value) else float(value)
+    if math.isnan(value):
+        return None
+    return float(value)
 
 
 class FrameJudgement(NamedTuple):
@@ -110,6 +112,7 @@ class FrameJudgement(NamedTuple):
         codes = np.empty((4, n), np.uint8)
         numbers = np.empty((7, n))
         flags = np.zeros((2, n), bool)
+        # in the order of the fields
         return cls._make([*codes[:3], *numbers[:6], *flags, codes[3], numbers[6]])
 
 
@@ -156,41 +159,43 @@ def judge_frame(
     n = len(frame)
     if len(paths) != n:
         raise ValueError(f"there are {len(paths)} paths for {n} scenarios")
-    codes = CLAIMS.index(claim) if isinstance(claim, Claim) else np.asarray(claim, np.intp)
+    if isinstance(claim, Claim):
+        claim = CLAIMS.index(claim)
+    codes = np.asarray(claim, np.intp)  # without an axis if one claim holds for all rows
     columns = {name: loop_input(frame[name]) for name in (*NUMBERS, "final_heading")}
     legs = PoseArrays(*(columns[name] for name in PoseArrays._fields))
     result = FrameJudgement.empty(n)
     curvatures, lengths = three_arcs(paths)
     free = not with_final_headings(frame)
-    rounded = 0.0 if free else ROUNDED
-    cut = 0.0 if free else CUT
     limits = _Limits(
         miss=tolerances.miss,
         curvature=tolerances.curvature,
         gap=tolerances.gap,
-        rounded=rounded,
-        cut=cut,
+        rounded=ROUNDED,
+        cut=CUT,
     )
-    best = _shortest_free(legs, branch, result) if free else _shortest_posed(legs, branch, result)
+    if free:
+        limits = limits._replace(rounded=0.0, cut=0.0)
+        best = _shortest_free(legs, branch, result)
+    else:
+        best = _shortest_posed(legs, branch, result)
     _name_rows(n, best, lengths, legs.radius, limits.cut, result.word)
     _judge_rows(n, legs, curvatures, lengths, free, best, limits, result)
     if paths.returned is not None:
         denied = np.isin(codes, _DENIALS) & (branch != "best")
         _judge_nothing(~paths.returned, denied, best, free, result)
     result = result._replace(travel_time=result.length / columns["speed"])
+    row_codes = np.broadcast_to(codes, n)
     for row in np.flatnonzero(result.verdict == ODD).tolist():
         numbers: dict[str, Any] = {name: float(column[row]) for name, column in columns.items()}
         if free:
             del numbers["final_heading"]
         scenario = Scenario(**numbers, _radians=True)
-        code = codes if isinstance(codes, int) else codes[row]
         path = paths.path(row, scenario)
-        _write(result, row, judge(scenario, path, CLAIMS[code], branch, tolerances))
-    # np.take is quicker than indexing where one claim holds for all rows
-    one_claim = isinstance(codes, int)
-    verdict = result.verdict
-    false = np.take(_FALSE[codes], verdict) if one_claim else _FALSE[codes, verdict]
-    return result._replace(false_claim=false)
+        _write(result, row, judge(scenario, path, CLAIMS[row_codes[row]], branch, tolerances))
+    if not codes.ndim:  # np.take is quicker than indexing
+        return result._replace(false_claim=np.take(_FALSE[codes], result.verdict))
+    return result._replace(false_claim=_FALSE[codes, result.verdict])
 
 
 def three_arcs(paths: Paths) -> tuple[FloatArray, FloatArray]:
@@ -199,7 +204,8 @@ def three_arcs(paths: Paths) -> tuple[FloatArray, FloatArray]:
     The last arc may have no length.
     """
     none = np.zeros((3 - len(paths.curvatures), len(paths)))
-    curvature, length = (np.concatenate([a, none]) for a in (paths.curvatures, paths.lengths))
+    curvature = np.concatenate([paths.curvatures, none])
+    length = np.concatenate([paths.lengths, none])
     return loop_input(curvature), loop_input(length)
 
 
@@ -250,10 +256,15 @@ def _judge_nothing(
 def _write(result: FrameJudgement, row: int, judgement: Judgement) -> None:
     for name, texts in TEXTS.items():
         text = getattr(judgement, name)
-        getattr(result, name)[row] = NO_WORD if text is None else texts.index(text)
+        code = NO_WORD
+        if text is not None:
+            code = texts.index(text)
+        getattr(result, name)[row] = code
     for name in set(FrameJudgement._fields) - {*TEXTS, "false_claim"}:
         value = getattr(judgement, name)
-        getattr(result, name)[row] = np.nan if value is None else value
+        if value is None:
+            value = np.nan
+        getattr(result, name)[row] = value
 
 
 @inlined

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
@@ -38,6 +39,14 @@ class Exact(NamedTuple):
     path: Path | None  # None where a branch has none
     low: float
     high: float
+
+    @classmethod
+    def known(cls, path: Path | None) -> Exact:
+        """A shortest path by a formula, whose length is known."""
+        length = math.inf
+        if path is not None:
+            length = path.length
+        return cls(path, length, length)
 
 
 class Arrived(NamedTuple):

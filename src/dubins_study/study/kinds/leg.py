@@ -31,9 +31,7 @@ from dubins_study.study.words import BRANCHES, FREE_FINAL_HEADING, TURN, Verdict
 
 
 def _exact(scenario: Scenario, branch: str, limit: float) -> Exact:
-    path = shortest_path(scenario, branch)
-    length = math.inf if path is None else path.length
-    return Exact(path, length, length)
+    return Exact.known(shortest_path(scenario, branch))
 
 
 def _exists(scenario: Scenario, branch: str) -> bool:
@@ -57,12 +55,14 @@ def _optimum(scenario: Scenario, branch: str) -> tuple[Shortest | None, dict[str
     """
     target = local(scenario)
     optimum = shortest_local(target, branch)
-    return optimum, {
+    columns: dict[str, Any] = {
         "region": region_of(target.w, target.mirrored.w),
         "margin": margin_local(target.X, abs(target.Y)),
-        "reference_word": None if optimum is None else optimum.word,
-        "reference": None if optimum is None else optimum.total * scenario.radius,
     }
+    if optimum is not None:
+        columns["reference_word"] = optimum.word
+        columns["reference"] = optimum.total * scenario.radius
+    return optimum, columns
 
 
 def _known(scenario: Scenario, branch: str) -> dict[str, Any]:
@@ -71,7 +71,9 @@ def _known(scenario: Scenario, branch: str) -> dict[str, Any]:
 
 def _ties(scenario: Scenario, branch: str) -> tuple[str, ...]:
     optimum = shortest(scenario, branch)
-    return () if optimum is None else optimum.words
+    if optimum is None:
+        return ()
+    return optimum.words
 
 
 def _word_of(path: Path, at: Sequence[float], radius: float) -> str:
@@ -91,36 +93,31 @@ def _verdict(scenario: Scenario, arrived: Arrived, tolerances: Tolerances) -> Fo
     length = path.length
     radius = scenario.radius
     end = seen.end
-    optimum, _ = _optimum(scenario, branch)
-    reference = None if optimum is None else optimum.total * radius
+    optimum, known = _optimum(scenario, branch)
+    reference = known.get("reference")
     if reference is None or length < reference * (1.0 - ROUNDED):
-        there = shortest(visited(scenario, seen.visits, end), branch)
-        if there is not None:
-            reference = min(there.total * radius, length)
+        to_own_end = shortest(visited(scenario, seen.visits, end), branch)
+        if to_own_end is not None:
+            reference = min(to_own_end.total * radius, length)
     if reference is None:
         target = local(scenario)
         assert scenario.target is not None
         off = 2.0 * math.dist(end[:2], scenario.target)
-        there = shortest_local(target._replace(delta=target.delta + off / radius), branch)
-        if there is None:
+        within_miss = target._replace(delta=target.delta + off / radius)
+        nearby = shortest_local(within_miss, branch)
+        if nearby is None:
             return Found(Verdict.MISSES, {})
-        reference = there.total * radius
+        reference = nearby.total * radius
     reference = _known_to_delta(
         scenario, branch, length=length, reference=reference, gap=tolerances.gap
     )
     gap = (length - reference) / max(reference, radius)
-    longer = gap > tolerances.gap
-    wrong_basin = False
-    if longer:
-        words, turns = _basins(optimum)
-        wrong_basin = is_wrong_basin(path, word, gap, words, turns)
-    columns = {
-        "reference": reference,
-        "gap": gap,
-        "wrong_basin": wrong_basin,
-    }
-    verdict = Verdict.LONGER if longer else Verdict.OPTIMAL
-    return Found(verdict, columns)
+    columns = {"reference": reference, "gap": gap}
+    if not gap > tolerances.gap:
+        return Found(Verdict.OPTIMAL, columns)
+    words, turns = _basins(optimum)
+    basin = is_wrong_basin(path, word, gap, words, turns)
+    return Found(Verdict.LONGER, columns | {"wrong_basin": basin})
 
 
 def _known_to_delta(
@@ -138,8 +135,9 @@ def _known_to_delta(
     if nearest is None:
         return reference
     # a change of length by delta alone is no reason for another reference
-    matters = length - nearest <= allowed or nearest - reference > allowed
-    return nearest if matters else reference
+    if length - nearest <= allowed or nearest - reference > allowed:
+        return nearest
+    return reference
 
 
 def _basins(optimum: Shortest | None) -> tuple[tuple[str, ...], tuple[float, ...]]:

@@ -5,7 +5,6 @@ It is answered by the closed form of six words.
 
 from __future__ import annotations
 
-import math
 from functools import lru_cache, partial
 
 from dubins_study.study.check.enclosure import Enclosure, Part, enclose_pose
@@ -30,9 +29,7 @@ def _end(scenario: Scenario) -> Pose:
 
 
 def _exact(scenario: Scenario, branch: str, limit: float) -> Exact:
-    path = pose_path(scenario.start, _end(scenario), scenario.radius, branch)
-    length = math.inf if path is None else path.length
-    return Exact(path, length, length)
+    return Exact.known(pose_path(scenario.start, _end(scenario), scenario.radius, branch))
 
 
 def _exists(scenario: Scenario, branch: str) -> bool:

@@ -102,7 +102,9 @@ def shortest_route(scenario: Scenario, limit: float, boxes: float = math.inf) ->
     rates = np.array([TURN[letter] for letter in "".join(best.words)])
     segments = best.segments * radius
     driven = segments.ravel() > 0.0
-    heading = best.headings[0] if scenario.heading is None else scenario.heading
+    heading = scenario.heading
+    if heading is None:
+        heading = best.headings[0]
     start = Pose(scenario.x, scenario.y, heading)
     route = ShortestRoute(
         path=Path(start, rates[driven] / radius, segments.ravel()[driven]),

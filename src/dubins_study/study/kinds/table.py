@@ -74,8 +74,8 @@ def branches_of(scenario: Scenario) -> tuple[str, ...]:
 def rows_of(frame: pd.DataFrame, kind: Kind | Pathless) -> BoolArray:
     """Mask of a checked frame's rows of a kind."""
     rows = np.ones(len(frame), np.bool_)
-    for name, given in kind.fields.items():
-        rows &= _GIVEN[name](frame) == given
+    for name, needed in kind.fields.items():
+        rows &= _GIVEN[name](frame) == needed
     return rows
 
 

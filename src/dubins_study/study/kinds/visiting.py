@@ -45,8 +45,8 @@ def verdict(
     best = reference_of(scenario, branch, tolerances)
     moved = _STEEP * (scenario.legs * seen.miss + seen.turned * radius)
     if length < best.enclosure.low * (1.0 - ROUNDED) - moved:
-        there = visited(scenario, seen.visits, seen.end)
-        best = reference_of(there, branch, tolerances)
+        own_scenario = visited(scenario, seen.visits, seen.end)
+        best = reference_of(own_scenario, branch, tolerances)
     if best.path is None or not best.enclosure.exists:
         return Found(Verdict.MISSES, {})
     low, high = compared(best.enclosure, length, gap * max(best.enclosure.low, radius))

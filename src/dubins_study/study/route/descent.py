@@ -170,5 +170,6 @@ def downhill(
         polished = gridded.copy()
         if newton(legs, polished, others) and np.allclose(polished, gridded, rtol=0, atol=_FINE):
             gridded = polished
-    shorter = rests and route_length(legs, smooth) < route_length(legs, gridded)
-    return smooth if shorter else gridded
+    if rests and route_length(legs, smooth) < route_length(legs, gridded):
+        return smooth
+    return gridded

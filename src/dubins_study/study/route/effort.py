@@ -40,7 +40,8 @@ class Effort:
         Returns whether all is spent.
         """
         over = self.spent >= self.boxes or self.late
-        self.spent += 0 if over else boxes
+        if not over:
+            self.spent += boxes
         return over
 
     def spend_or_end(self, boxes: float) -> None:

@@ -245,7 +245,9 @@ def _step(
         points = slice(legs_done, end + 1)
         cost = _chained(legs[part], candidates[points], sizes[points], cost, before[part])
         legs_done = end
-    k = int(np.argmin(cost[: sizes[n]])) if legs_done == n else 0
+    k = 0
+    if legs_done == n:
+        k = int(np.argmin(cost[: sizes[n]]))
     moved = False
     for i in range(legs_done, -1, -1):
         moved |= k != 0

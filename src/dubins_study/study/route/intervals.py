@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from itertools import pairwise
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -45,6 +45,18 @@ class Intervals(NamedTuple):
     half: FloatArray
     slope: FloatArray
 
+    def at(self, places: Any) -> Intervals:
+        """The intervals at some places."""
+        return Intervals(*(column[places] for column in self))
+
+    def halved(self, side: FloatArray) -> Intervals:
+        """The lower half of each where the side is -0.5, the upper one where it is 0.5.
+
+        The whole interval where the side is 0.
+        """
+        half = np.where(side == 0.0, self.half, 0.5 * self.half + OVERLAP)
+        return Intervals(self.middle + side * self.half, half, self.slope)
+
 
 class _Arc(NamedTuple):
     """An arc between neighbouring points.
@@ -69,7 +81,11 @@ def first_intervals(
         legs: from each point to the next, shape (n, 2).
         given: headings at the points, n + 1; None for those that are free.
     """
-    known = [[] if heading is None else [math.remainder(heading, TWO_PI)] for heading in given]
+    known: list[list[float]] = []
+    for heading in given:
+        known.append([])
+        if heading is not None:
+            known[-1].append(math.remainder(heading, TWO_PI))
     arcs = [*_arcs(legs, given, known, step=1), *_arcs(legs, given, known, step=-1)]
     intervals = []
     for heading, headings in zip(given, known, strict=True):
@@ -85,7 +101,8 @@ def first_intervals(
             intervals.append(Intervals(np.array(headings), np.array([spread]), np.zeros(1)))
     live = [np.ones((a.middle.size, b.middle.size), np.int8) for a, b in pairwise(intervals)]
     for arc in arcs:
-        here, there = (0 if given[i] is not None else COARSE for i in arc.ends)
+        # the intervals of known headings are the last at their point
+        here, there = (intervals[i].middle.size - len(known[i]) for i in arc.ends)
         pairs = live[min(arc.ends)]
         if arc.ends[0] > arc.ends[1]:
             pairs = pairs.T
@@ -102,14 +119,21 @@ def _arcs(
 
     They lead to the next point if `step` is 1. The headings at their ends become known.
     """
-    bits = (START_LEFT, START_RIGHT, START_HALF) if step == 1 else (END_LEFT, END_RIGHT, END_HALF)
+    left_bit = START_LEFT
+    right_bit = START_RIGHT
+    half_bit = START_HALF
+    if step < 0:
+        left_bit = END_LEFT
+        right_bit = END_RIGHT
+        half_bit = END_HALF
     for leg in range(len(legs))[::step]:
         here, there = (leg, leg + 1)[::step]
         x, y = step * legs[leg]
         square = x * x + y * y
         for place, heading in enumerate(known[here]):
             side = y * math.cos(heading) - x * math.sin(heading)
-            left, right = (abs(square - 2.0 * turn * side) <= _ON_CIRCLE for turn in (1.0, -1.0))
+            left = abs(square - 2.0 * side) <= _ON_CIRCLE
+            right = abs(square + 2.0 * side) <= _ON_CIRCLE
             if not (left or right):
                 continue
             end = math.remainder(2.0 * math.atan2(y, x) - heading, TWO_PI)
@@ -118,6 +142,9 @@ def _arcs(
                 known[there].append(end)
                 away.append(0.0)
             others = [k for k, off in enumerate(away) if off <= _ONE_HEADING]
-            half = bits[2] if abs(square - 4.0) <= _ON_CIRCLE else 0
-            side_bit = bits[0] if left else bits[1]
-            yield _Arc((here, there), place, others, apart=side_bit + half)
+            apart = right_bit
+            if left:
+                apart = left_bit
+            if abs(square - 4.0) <= _ON_CIRCLE:
+                apart += half_bit
+            yield _Arc((here, there), place, others, apart)

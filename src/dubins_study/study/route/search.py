@@ -29,7 +29,7 @@ from dubins_study.study.closed_form.pose import WORDS6
 from dubins_study.study.route.descent import downhill, route_length, route_words
 from dubins_study.study.route.effort import Effort, SpentError
 from dubins_study.study.route.heading_grids import first_route, leg_table, survey
-from dubins_study.study.route.intervals import COARSE, OVERLAP, Intervals, first_intervals
+from dubins_study.study.route.intervals import COARSE, Intervals, first_intervals
 from dubins_study.study.route.leg_bound import (
     BY_WORD,
     UNKNOWN,
@@ -116,7 +116,7 @@ def search(
     """
     compile_loops()
     places = np.asarray(points, np.float64)
-    between = [None] * (len(places) - 2) if via_headings is None else via_headings
+    between = via_headings or [None] * (len(places) - 2)
     headings = [first, *between, last]
     places_given = [i for i, heading in enumerate(headings) if heading is not None]
     effort = Effort(boxes=boxes, seconds=limit)
@@ -177,6 +177,11 @@ def _through(cost: FloatArray, rows: FloatArray) -> tuple[FloatArray, IntArray]:
     return np.array(least), np.array(mates)
 
 
+def _of_rows(mates: IntArray, row: IntArray) -> IntArray:
+    """Numbers of the columns, each from its row."""
+    return mates[row, np.arange(row.size)]
+
+
 class _Chains:
     """Cheapest chain through each interval.
 
@@ -185,17 +190,15 @@ class _Chains:
     Otherwise that axis has one row.
     """
 
-    def __init__(
-        self, costs: list[FloatArray], words: list[WordArray], cyclic: bool = False
-    ) -> None:
+    def __init__(self, costs: list[FloatArray], words: list[WordArray], cyclic: bool) -> None:
         self.costs = costs
         self.words = words
-        legs = len(costs)
-        first = costs[0].shape[0]
-        last = costs[-1].shape[1]
-        alone = np.where(np.eye(first), 0.0, math.inf)
-        self.ahead = [alone if cyclic else np.zeros((1, first))]
-        self.behind = [alone if cyclic else np.zeros((1, last))]
+        self.ahead = [np.zeros((1, costs[0].shape[0]))]
+        self.behind = [np.zeros((1, costs[-1].shape[1]))]
+        if cyclic:
+            alone = np.where(np.eye(costs[0].shape[0]), 0.0, math.inf)
+            self.ahead = [alone]
+            self.behind = [alone]
         self._before: list[IntArray] = []
         after: list[IntArray] = []
         for cost in costs:
@@ -208,11 +211,11 @@ class _Chains:
             after.insert(0, mates)
         both = [a + b for a, b in zip(self.ahead, self.behind, strict=True)]
         self.through: list[FloatArray] = [each.min(axis=0) for each in both]
-        row = [each.argmin(axis=0) for each in both]
+        rows = [each.argmin(axis=0) for each in both]
         # for each leg: the best interval at its start for each one at its end, and the reverse
-        self.before = [self._before[i][row[i + 1], np.arange(row[i + 1].size)] for i in range(legs)]
-        self.after = [after[i][row[i], np.arange(row[i].size)] for i in range(legs)]
-        self._row = row[-1]
+        self.before = [_of_rows(*each) for each in zip(self._before, rows[1:], strict=True)]
+        self.after = [_of_rows(*each) for each in zip(after, rows[:-1], strict=True)]
+        self._row = rows[-1]
 
     @property
     def least(self) -> float:
@@ -272,7 +275,9 @@ class _Search:
         self.cyclic = cyclic
         self.legs = np.ascontiguousarray(np.diff(np.asarray(points, np.float64), axis=0))
         self.n = len(self.legs)
-        self.headings = first_route(self.legs, given, effort) if known is None else known.copy()
+        if known is None:
+            known = first_route(self.legs, given, effort)
+        self.headings = known.copy()
         if cyclic:
             self.headings[-1] = self.headings[0]
         self.length: float = route_length(self.legs, self.headings)
@@ -360,16 +365,16 @@ class _Search:
         """Bounds of all live pairs of intervals."""
         bounds = []
         words = []
-        for leg, live, (a, b) in zip(self.legs, self.live, pairwise(self.intervals), strict=True):
+        for leg, live, (first, last) in zip(
+            self.legs, self.live, pairwise(self.intervals), strict=True
+        ):
             bounds.append(np.empty(live.shape))
             words.append(np.empty(live.shape, np.int8))
             rows = 1 + _PAIRS_AT_ONCE // live.shape[1]
             for low in range(0, live.shape[0], rows):
                 part = slice(low, low + rows)
-                if self.effort.spend(int(np.count_nonzero(live[part]))):
-                    raise SpentError
-                some = Intervals(*(column[part] for column in a))
-                bound_leg(leg, some, b, live[part], bounds[-1][part], words[-1][part])
+                self.effort.spend_or_end(int(np.count_nonzero(live[part])))
+                bound_leg(leg, first.at(part), last, live[part], bounds[-1][part], words[-1][part])
         return _Chains(bounds, words, self.cyclic)
 
     def _middles(self) -> _Chains:
@@ -471,7 +476,8 @@ class _Search:
         before = self._leg_slopes(points, words, only, forward=True)
         after = self._leg_slopes(points, words, only, forward=False)
         if self.cyclic:
-            before[0], after[-1] = before[-1], after[0]
+            before[0] = before[-1]
+            after[-1] = after[0]
         slopes = [
             potential_slopes(point, rise, fall, math.nan, math.nan, False)
             for point, rise, fall in zip(points, before, after, strict=True)
@@ -487,7 +493,7 @@ class _Search:
         self.discarded = min(self.discarded, threshold)
         margin = 1.0 - (2 * self.n + 4) * EPS
         possible = [through * margin <= threshold for through in chains.through]
-        if not all(some.any() for some in possible):
+        if not all(mask.any() for mask in possible):
             self.low = max(self.low, min(self.discarded, self.high))
             return False
         soon = self.low + _SOON * (threshold - self.low)
@@ -506,9 +512,7 @@ class _Search:
             halved = np.flatnonzero(possible[i] & split)
             parents.append(np.concatenate([whole, halved, halved]))
             side = np.repeat([0.0, -0.5, 0.5], [whole.size, halved.size, halved.size])
-            middle, half, slope = (column[parents[i]] for column in interval)
-            halves = np.where(side == 0.0, half, 0.5 * half + OVERLAP)
-            self.intervals.append(Intervals(middle + side * half, halves, slope))
+            self.intervals.append(interval.at(parents[i]).halved(side))
         if self.cyclic:
             parents[-1] = parents[0]
             self.intervals[-1] = self.intervals[0]
@@ -517,7 +521,9 @@ class _Search:
             live = np.where(alive, self.live[i], 0)
             self.live[i] = np.ascontiguousarray(live[np.ix_(parents[i], parents[i + 1])])
         pairs = sum(live.size for live in self.live)
-        programs = self.intervals[0].middle.size if self.cyclic else 1
+        programs = 1
+        if self.cyclic:
+            programs = self.intervals[0].middle.size
         return pairs <= _MOST_PAIRS and pairs * programs <= _MOST_SUMS
 
     def _aimed(self, chains: _Chains) -> list[Intervals]:
@@ -530,7 +536,8 @@ class _Search:
         before = self._leg_slopes(self.intervals, chains.words, chains.before, forward=True)
         after = self._leg_slopes(self.intervals, chains.words, chains.after, forward=False)
         if self.cyclic:
-            before[0], after[-1] = before[-1], after[0]
+            before[0] = before[-1]
+            after[-1] = after[0]
         aimed = []
         for i, interval in enumerate(self.intervals):
             # at the ends no other leg cancels the slope of the potential
@@ -559,20 +566,28 @@ class _Search:
 
         They are the slopes of the leg before each interval, or of the leg after it.
         """
-        end = 0 if forward else self.n
+        end = 0
+        legs = range(self.n)
+        if not forward:
+            end = self.n
+            legs = legs[::-1]
         size = intervals[end].middle.size
-        ends_anyhow = self.free[end] and not self.cyclic
-        slope = 0.0 if ends_anyhow else math.nan
-        source = BY_WORD if ends_anyhow else UNKNOWN
+        slope = math.nan
+        source = UNKNOWN
+        if self.free[end] and not self.cyclic:
+            slope = 0.0
+            source = BY_WORD
         slopes = [(np.full(size, slope), np.full(size, source, np.int8))]
-        for i in range(self.n) if forward else range(self.n - 1, -1, -1):
+        for i in legs:
             self.effort.look_at_the_clock()
             ends = intervals[i], intervals[i + 1]
             known_slopes, _ = slopes[-1]
             slopes.append(
                 slopes_across(self.legs[i], *ends, words[i], mates[i], known_slopes, forward)
             )
-        return slopes if forward else slopes[::-1]
+        if not forward:
+            slopes.reverse()
+        return slopes
 
     def _gains(self, chains: _Chains, promising: list[BoolArray]) -> list[FloatArray]:
         """Gains of the bound from halving each interval.

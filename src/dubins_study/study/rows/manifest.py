@@ -193,8 +193,10 @@ def read_manifest(folder: FilePath, *, printable: bool = False) -> Manifest:
     """
     file = folder / MANIFEST
     if not file.exists():
-        what = f"it has no {MANIFEST}" if folder.is_dir() else "it is not a folder"
-        raise ResultsError(f"{folder} is no results folder: {what}")
+        why = "it is not a folder"
+        if folder.is_dir():
+            why = f"it has no {MANIFEST}"
+        raise ResultsError(f"{folder} is no results folder: {why}")
     with os_errors_as(f"{file} cannot be read"):
         text = file.read_bytes()
     try:
@@ -218,5 +220,7 @@ def _what(error: ValueError | RecursionError) -> str:
         return str(error)
     first = error.errors()[0]
     key = ".".join(plain(str(step)) for step in first["loc"])
-    place = f"{key} is {first['input']!r:.60}: " if key else ""
+    place = ""
+    if key:
+        place = f"{key} is {first['input']!r:.60}: "
     return f"{place}{first['msg']}"

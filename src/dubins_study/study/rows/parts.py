@@ -65,7 +65,9 @@ def start_of(row: Mapping[str, Any]) -> Pose:
 
     A heading that the scenario leaves free is the path's own.
     """
-    name = "heading" if is_missing(row.get("start_heading")) else "start_heading"
+    name = "start_heading"
+    if is_missing(row.get(name)):
+        name = "heading"
     return Pose(row["x"], row["y"], row[name])
 
 
@@ -111,9 +113,11 @@ def os_errors_as(problem: str) -> Iterator[None]:
 
 def folder_paths(folders: Any) -> list[FilePath]:
     """Paths of one results folder or of several."""
-    several = isinstance(folders, Iterable) and not isinstance(folders, str)
+    several = folders
+    if isinstance(folders, str) or not isinstance(folders, Iterable):
+        several = [folders]
     try:
-        return [FilePath(folder) for folder in folders] if several else [FilePath(folders)]
+        return [FilePath(folder) for folder in several]
     except TypeError:
         expected = "expected the path of a results folder"
         raise ResultsError(f"folder is {short(folders)}; {expected}") from None
@@ -232,5 +236,5 @@ def _printable(column: Any) -> Any:
     is_text = pa.types.is_string(column.type)
     if not is_text or pc.all(pc.utf8_is_printable(column)).as_py() is not False:
         return column
-    texts = [None if text is None else printable_text(text) for text in column.to_pylist()]
+    texts = [text and printable_text(text) for text in column.to_pylist()]
     return pa.chunked_array([texts], column.type)

@@ -40,8 +40,10 @@ def differences(pairs: pd.DataFrame, tolerance: float) -> pd.DataFrame:
     """
     differ = {}
     for name in (*JUDGED, "gap"):
-        one, other = pairs[name], pairs[f"{name}_kept"]
-        equal = one.astype(object) == other.astype(object)
-        agree = (one - other).abs() <= tolerance if name == "gap" else equal
+        one = pairs[name]
+        other = pairs[f"{name}_kept"]
+        agree = one.astype(object) == other.astype(object)
+        if name == "gap":
+            agree = (one - other).abs() <= tolerance
         differ[name] = ~agree & ~(one.isna() & other.isna())
     return pd.DataFrame(differ, index=pairs.index)

@@ -15,7 +15,7 @@ import numpy as np
 from dubins_study.study.arrays import FloatArray, IntArray
 from dubins_study.study.route.effort import Effort
 from dubins_study.study.tour.chains import SetArray, extended, leave_out
-from dubins_study.study.tour.short_orders import CHAIN_BOXES
+from dubins_study.study.tour.short_orders import CHAIN_BOXES, Legs
 
 MOST_IN_SET = 62  # points, of which a set is an int64
 _MOST_STATES = 100_000
@@ -23,15 +23,6 @@ _MOST_ORDERS = 1_000
 
 _Levels = list[dict[tuple[int, int], FloatArray]]  # of each size, by set and last point
 _OpenEnd = tuple[int, int, tuple[int, ...], FloatArray]
-
-
-class Legs(NamedTuple):
-    """Bounds of the legs between intervals of headings."""
-
-    begin: IntArray  # where the intervals of each point begin, shape (points + 1,)
-    bounds: FloatArray  # shape (intervals, intervals)
-    starts: FloatArray  # from the start, shape (intervals,)
-    ends: FloatArray  # to the end, shape (intervals,)
 
 
 class ToGo(NamedTuple):
@@ -61,14 +52,14 @@ def orders_within(
         (every, i, (), legs.ends[begin[i] : begin[i + 1]]) for i in range(n)
     ]
     while open_ends:
-        passed, here, rest, to_end = open_ends.pop()
+        passed, here, following, to_end = open_ends.pop()
         costs = levels[passed.bit_count() - 1].get((passed, here))
         if costs is None:
             continue
         least = float((costs[: to_end.size] + to_end).min())
         if least > cutoff:
             continue
-        order = (here, *rest)
+        order = (here, *following)
         if len(order) == n:
             orders[order] = least
             if len(orders) > _MOST_ORDERS:
@@ -78,7 +69,7 @@ def orders_within(
         ends = slice(begin[here], begin[here + 1])
         for before in range(n):
             if others >> before & 1:
-                way = legs.bounds[begin[before] : begin[before + 1], ends]
+                way = legs.costs[begin[before] : begin[before + 1], ends]
                 open_ends.append((others, before, order, (way + to_end).min(axis=1)))
     return orders
 
@@ -96,7 +87,8 @@ def _states(legs: Legs, to_go: ToGo, cutoff: float, effort: Effort) -> _Levels |
     lasts = np.arange(n)
     costs = np.full((n, most), math.inf)
     for i in range(n):
-        costs[i, : begin[i + 1] - begin[i]] = legs.starts[begin[i] : begin[i + 1]]
+        starts = legs.starts[begin[i] : begin[i + 1]]
+        costs[i, : starts.size] = starts
     levels = []
     for k in range(n):
         ahead = to_go.costs[n - 1 - k]
@@ -109,7 +101,7 @@ def _states(legs: Legs, to_go: ToGo, cutoff: float, effort: Effort) -> _Levels |
         keys = zip(sets.tolist(), lasts.tolist(), strict=True)
         levels.append(dict(zip(keys, costs, strict=True)))
         effort.spend_or_end(sets.size * n * most**2 * CHAIN_BOXES)
-        sets, lasts, costs = extended(sets, lasts, costs, legs.bounds, begin)
+        sets, lasts, costs = extended(sets, lasts, costs, legs.costs, begin)
         sets, lasts, costs = _united(sets, lasts, costs)
     return levels
 

@@ -39,8 +39,8 @@ from dubins_study.study.tour.chains import (
     first_chains,
     memories_after,
 )
-from dubins_study.study.tour.orders import MOST_IN_SET, Legs, ToGo, orders_within
-from dubins_study.study.tour.short_orders import CHAIN_BOXES, short_orders
+from dubins_study.study.tour.orders import MOST_IN_SET, ToGo, orders_within
+from dubins_study.study.tour.short_orders import CHAIN_BOXES, Legs, short_orders
 from dubins_study.study.tour.stops import Stops
 
 _LOG = logging.getLogger(__name__)
@@ -86,7 +86,6 @@ def search_tour(
     limit: float = math.inf,
     boxes: float = math.inf,
     tolerance: float = 1e-9,
-    seed: int = 0,
 ) -> Tour:
     """Shortest tour, or an interval for its length.
 
@@ -97,16 +96,17 @@ def search_tour(
         limit: seconds, beside those that compiling takes.
         boxes: how many bounds of pairs of intervals, and work counted in them.
         tolerance: of the interval's width, relative to the length.
-        seed: of the orders that the first tour begins with.
     """
     compile_tour_loops()
     effort = Effort(boxes=boxes, seconds=limit)
     fixed = [i for i, heading in enumerate(stops.headings) if heading is not None]
     if not stops.closed or not fixed:
-        tour = _TourSearch(stops, effort, tolerance=tolerance, seed=seed).run()
-        return _backwards(tour) if stops.closed and tour.order[0] > tour.order[-1] else tour
+        tour = _TourSearch(stops, effort, tolerance).run()
+        if stops.closed and tour.order[0] > tour.order[-1]:
+            return _backwards(tour)
+        return tour
     place = fixed[0]
-    tour = _TourSearch(stops.begun_at(place), effort, tolerance=tolerance, seed=seed).run()
+    tour = _TourSearch(stops.begun_at(place), effort, tolerance).run()
     # points of that search: the old start, then the old points except the one that it began at
     points = [i for i in range(len(stops.points)) if i != place]
     began = tour.order.index(0)
@@ -140,7 +140,7 @@ def compile_tour_loops() -> None:
     compile_loops()
     points = np.array([(3.0, 1.0), (0.5, -2.0), (-2.0, 2.0), (6.0, 3.0), (1.0, 6.0)])
     stops = Stops(points, [None] * len(points), first=0.0, target=(1.0, 5.0), last=None)
-    _TourSearch(stops, Effort(), tolerance=1e-6, seed=0).run()
+    _TourSearch(stops, Effort(), tolerance=1e-6).run()
 
 
 class _TourSearch:
@@ -149,11 +149,10 @@ class _TourSearch:
     It has the best tour, the intervals left and the bounds of their pairs.
     """
 
-    def __init__(self, stops: Stops, effort: Effort, tolerance: float, seed: int) -> None:
+    def __init__(self, stops: Stops, effort: Effort, tolerance: float) -> None:
         self.stops = stops
         self.effort = effort
         self.tolerance = tolerance
-        self.random = np.random.default_rng(seed)
         self.n = len(stops.points)
         self.order: tuple[int, ...] = tuple(range(self.n))
         self.best: Route | None = None
@@ -165,12 +164,16 @@ class _TourSearch:
 
     @property
     def length(self) -> float:
-        return math.inf if self.best is None else self.best.length
+        if self.best is None:
+            return math.inf
+        return self.best.length
 
     @property
     def high(self) -> float:
         """Upper bound: the best tour's, whatever the rounding."""
-        return math.inf if self.best is None else self.best.high
+        if self.best is None:
+            return math.inf
+        return self.best.high
 
     @property
     def slack(self) -> float:
@@ -188,7 +191,7 @@ class _TourSearch:
     def run(self) -> Tour:
         _LOG.info("searching for the shortest tour of %d points", self.n)
         try:
-            for order in short_orders(self.stops, self.effort, self.random):
+            for order in short_orders(self.stops, self.effort):
                 self._search_order(order, quick=True)
             _LOG.info("a tour of length %.6g", self.length)
             size = next((size for size in _SIZES if self.n <= size[0]), None)
@@ -238,10 +241,10 @@ class _TourSearch:
         self._bound()
         self._price()
         lows = []
-        starts = _end_intervals(None)
+        starts = _intervals_at(None, _AT_ENDS)
         for place in np.flatnonzero(np.sin(starts.middle) > 0.0):
             part = copy(self)
-            part.around = Intervals(*(column[[place]] for column in starts))
+            part.around = starts.at([place])
             part.live = self.live.copy()
             part.bounds = self.bounds.copy()
             try:
@@ -260,8 +263,12 @@ class _TourSearch:
         """
         points, headings = self.stops.route(order)
         seconds_left = self.effort.seconds - (perf_counter() - self.effort.began)
-        boxes = _QUICK * (self.n + 1) if quick else self.effort.boxes - self.effort.spent
-        known = self.best.headings if self.best is not None and order == self.order else None
+        boxes = self.effort.boxes - self.effort.spent
+        if quick:
+            boxes = _QUICK * (self.n + 1)
+        known = None
+        if self.best is not None and order == self.order:
+            known = self.best.headings
         route = search(
             points,
             first=headings[0],
@@ -284,21 +291,10 @@ class _TourSearch:
 
     def _cover(self, intervals: int) -> None:
         """Set up intervals of headings, and their pairs."""
-        width = TWO_PI / intervals
-        grid = np.linspace(0.5 * width - math.pi, math.pi - 0.5 * width, intervals)
-        middle = []
-        half = []
-        owner = []
-        for i, heading in enumerate(self.stops.headings):
-            some = grid if heading is None else np.array([math.remainder(heading, TWO_PI)])
-            middle.append(some)
-            half_width = 0.5 * width if heading is None else 0.0
-            half.append(np.full(some.size, OVERLAP + half_width))
-            owner.append(np.full(some.size, i))
-        self.owner = np.concatenate(owner)
-        self.intervals = Intervals(
-            np.concatenate(middle), np.concatenate(half), np.zeros(self.owner.size)
-        )
+        of_points = [_intervals_at(heading, intervals) for heading in self.stops.headings]
+        self.owner = np.repeat(np.arange(self.n), [each.middle.size for each in of_points])
+        columns = zip(*of_points, strict=True)
+        self.intervals = Intervals(*(np.concatenate(column) for column in columns))
         self.live = self.owner[:, None] != self.owner[None, :]
         self.new = self.live  # pairs whose bounds are not known
         self.bounds = np.full(self.live.shape, math.inf)
@@ -364,25 +360,28 @@ class _TourSearch:
             bounds_between(self.stops.points, begin, self.intervals, self.new, i, self.bounds)
         self.starts = np.zeros(size)
         self.ends = np.zeros(size)
-        first = self.around or _end_intervals(self.stops.first)
-        last = self.around or _end_intervals(self.stops.last)
+        first = self.around or _intervals_at(self.stops.first, _AT_ENDS)
+        last = self.around or _intervals_at(self.stops.last, _AT_ENDS)
         for i, point in enumerate(self.stops.points):
-            some = slice(begin[i], begin[i + 1])
-            here = Intervals(*(column[some] for column in self.intervals))
-            self.starts[some] = _pair_bounds(point, first, here).min(axis=0)
+            part = slice(begin[i], begin[i + 1])
+            here = self.intervals.at(part)
+            self.starts[part] = _pair_bounds(point, first, here).min(axis=0)
             if self.stops.target is None:  # no leg cancels the slope that the last one is given
-                self.ends[some] = -np.abs(here.slope) * here.half
+                self.ends[part] = -np.abs(here.slope) * here.half
             else:
                 way = np.array(self.stops.target) - point
-                self.ends[some] = _pair_bounds(way, here, last).min(axis=1)
+                self.ends[part] = _pair_bounds(way, here, last).min(axis=1)
 
     def _chains(self, prices: FloatArray, back: bool = False) -> FloatArray:
         """Costs of chains from the start.
 
         With `back` they are those of chains from the end.
         """
-        bounds = np.ascontiguousarray(self.bounds.T) if back else self.bounds
-        ends = self.ends if back else self.starts
+        bounds = self.bounds
+        ends = self.starts
+        if back:
+            bounds = np.ascontiguousarray(self.bounds.T)
+            ends = self.ends
         begin = self.begin
         goes = np.minimum.reduceat(bounds, begin[:-1], axis=1) < math.inf
         sums = np.count_nonzero(goes) * self.after.shape[1] / 2 * self.owner.size
@@ -402,7 +401,11 @@ class _TourSearch:
         prices = self.prices
         best = -math.inf
         idle_rounds = 0
-        rounds, step = (_LATER_ROUNDS, _LATER_STEP) if self.priced else (_ROUNDS, _STEP)
+        rounds = _ROUNDS
+        step = _STEP
+        if self.priced:
+            rounds = _LATER_ROUNDS
+            step = _LATER_STEP
         self.priced = True
         for _ in range(rounds):
             costs = self._chains(prices)
@@ -446,7 +449,7 @@ class _TourSearch:
         self.least = np.minimum(through.min(axis=0), through.min(axis=1))
         places = np.flatnonzero(self.live.any(axis=0) | self.live.any(axis=1))
         self.owner = self.owner[places]
-        self.intervals = Intervals(*(column[places] for column in self.intervals))
+        self.intervals = self.intervals.at(places)
         self.live = self.live[np.ix_(places, places)]
         self.bounds = np.where(self.live, self.bounds[np.ix_(places, places)], math.inf)
         self.starts = self.starts[places]
@@ -467,9 +470,7 @@ class _TourSearch:
         parents = np.repeat(np.arange(self.owner.size), 1 + split)
         second = np.diff(parents, prepend=-1) == 0
         side = np.where(split[parents], np.where(second, 0.5, -0.5), 0.0)
-        middle, half, slope = (column[parents] for column in self.intervals)
-        halves = np.where(side == 0.0, half, 0.5 * half + OVERLAP)
-        self.intervals = Intervals(middle + side * half, halves, slope)
+        self.intervals = self.intervals.at(parents).halved(side)
         self.owner = self.owner[parents]
         self.live = self.live[np.ix_(parents, parents)]
         self.bounds = self.bounds[np.ix_(parents, parents)]
@@ -536,8 +537,9 @@ def _least_tree(stops: Stops) -> float:
 
     No tour is shorter.
     """
-    target = [] if stops.target is None or stops.closed else [stops.target]
-    points = np.vstack([np.zeros((1, 2)), stops.points, *target])
+    points = np.vstack([np.zeros(2), stops.points])
+    if stops.target is not None and not stops.closed:
+        points = np.vstack([points, stops.target])
     # by hand: a distance below 1e-8 is no edge to SciPy's trees
     tree = 0.0
     place = 0
@@ -551,15 +553,15 @@ def _least_tree(stops: Stops) -> float:
     return tree * (1.0 - 4 * len(points) * EPS)
 
 
-def _end_intervals(heading: float | None) -> Intervals:
-    """Intervals of the start or the target."""
+def _intervals_at(heading: float | None, count: int) -> Intervals:
+    """Intervals of headings at a point: `count` if its heading is free."""
     if heading is not None:
         return Intervals(
             np.array([math.remainder(heading, TWO_PI)]), np.array([OVERLAP]), np.zeros(1)
         )
-    width = TWO_PI / _AT_ENDS
-    middle = np.linspace(0.5 * width - math.pi, math.pi - 0.5 * width, _AT_ENDS)
-    return Intervals(middle, np.full(_AT_ENDS, 0.5 * width + OVERLAP), np.zeros(_AT_ENDS))
+    width = TWO_PI / count
+    middle = np.linspace(0.5 * width - math.pi, math.pi - 0.5 * width, count)
+    return Intervals(middle, np.full(count, 0.5 * width + OVERLAP), np.zeros(count))
 
 
 def _pair_bounds(way: FloatArray, first: Intervals, last: Intervals) -> FloatArray:

@@ -32,18 +32,19 @@ _NEARLY = 1.02  # times the best length on the grid; longer orders are not searc
 CHAIN_BOXES = 2e-5  # boxes that take as long as one sum of two costs
 
 
-class _Grid(NamedTuple):
-    """Headings at each point, and the legs' lengths."""
+class Legs(NamedTuple):
+    """Costs of the legs between points.
 
-    begin: IntArray  # where those of each point begin, shape (points + 1,)
-    lengths: FloatArray  # shape (headings, headings)
+    They are lengths between headings, or bounds of lengths between intervals of headings.
+    """
+
+    begin: IntArray  # where the headings or intervals of each point begin, shape (points + 1,)
+    costs: FloatArray  # shape (headings, headings)
     starts: FloatArray  # from the start, shape (headings,)
     ends: FloatArray  # to the end, shape (headings,)
 
 
-def short_orders(
-    stops: Stops, effort: Effort, random: np.random.Generator
-) -> Iterator[tuple[int, ...]]:
+def short_orders(stops: Stops, effort: Effort) -> Iterator[tuple[int, ...]]:
     """Yield orders that may be short.
 
     The first is by straight lines, then follow those with headings, the best first.
@@ -59,11 +60,12 @@ def short_orders(
     grid = _heading_grid(stops, effort)
     length = _shorten(order, grid, effort)
     lengths = {tuple(order.tolist()): length}
-    kicks = _KICKS if n <= _KICKED else 0
-    for _ in range(kicks):
-        order = _kicked(min(lengths, key=lengths.__getitem__), random)
-        length = _shorten(order, grid, effort)
-        lengths[tuple(order.tolist())] = length
+    if n <= _KICKED:
+        random = np.random.default_rng(0)  # so that the same tour is found every time
+        for _ in range(_KICKS):
+            order = _kicked(min(lengths, key=lengths.__getitem__), random)
+            length = _shorten(order, grid, effort)
+            lengths[tuple(order.tolist())] = length
     shortest = min(lengths.values())
     for candidate, length in sorted(lengths.items(), key=lambda item: item[1]):
         if length <= _NEARLY * shortest:
@@ -80,7 +82,7 @@ def _kicked(order: tuple[int, ...], random: np.random.Generator) -> IntArray:
     return np.array([*order[:a], *order[b:c], *order[a:b], *order[c:]])
 
 
-def _shorten(order: IntArray, grid: _Grid, effort: Effort) -> float:
+def _shorten(order: IntArray, grid: Legs, effort: Effort) -> float:
     """Shorten an order in place; return its length.
 
     It ends when no small change makes the order shorter.
@@ -95,7 +97,7 @@ def _shorten(order: IntArray, grid: _Grid, effort: Effort) -> float:
             return length
 
 
-def _straight_lines(stops: Stops) -> _Grid:
+def _straight_lines(stops: Stops) -> Legs:
     """Grid of straight lines between the points.
 
     Each point has one heading, which does not count.
@@ -106,7 +108,7 @@ def _straight_lines(stops: Stops) -> _Grid:
         ends = np.hypot(*(points - stops.target).T)
     begin = np.arange(len(points) + 1)
     lengths = cdist(points, points)
-    return _Grid(begin, lengths, starts=np.hypot(*points.T), ends=ends)
+    return Legs(begin, lengths, starts=np.hypot(*points.T), ends=ends)
 
 
 def _nearest_neighbours(points: FloatArray) -> IntArray:
@@ -122,29 +124,33 @@ def _nearest_neighbours(points: FloatArray) -> IntArray:
     return np.array(order)
 
 
-def _heading_grid(stops: Stops, effort: Effort) -> _Grid:
+def _heading_grid(stops: Stops, effort: Effort) -> Legs:
     """Grid of headings at each point.
 
     Headings are spread evenly, and those of single arcs to near points are added.
     """
     n = len(stops.points)
-    count = _HEADINGS if n <= _SOME else _FEWER
+    count = _FEWER
+    if n <= _SOME:
+        count = _HEADINGS
     evenly = np.linspace(-math.pi, math.pi, count, endpoint=False)
     sizes = [0]
     of_points = []
     for i, heading in enumerate(stops.headings):
-        some = evenly if heading is None else np.array([heading])
-        if heading is None and n <= _SOME:
+        choices = evenly
+        if heading is not None:
+            choices = np.array([heading])
+        elif n <= _SOME:
             arcs = _arc_headings(stops.points - stops.points[i])
-            some = np.append(evenly, arcs[:_MOST_ARCS])
-        of_points.append(some)
-        sizes.append(some.size)
+            choices = np.append(evenly, arcs[:_MOST_ARCS])
+        of_points.append(choices)
+        sizes.append(choices.size)
     begin = np.cumsum(sizes)
     headings = np.concatenate(of_points)
     effort.spend_or_end(headings.size**2 / 10)
     lengths = lengths_between(stops.points, begin, headings)
     starts, ends = _to_ends(stops, begin, headings)
-    return _Grid(begin, lengths, starts=starts, ends=ends)
+    return Legs(begin, lengths, starts=starts, ends=ends)
 
 
 def _to_ends(stops: Stops, begin: IntArray, headings: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -153,16 +159,20 @@ def _to_ends(stops: Stops, begin: IntArray, headings: FloatArray) -> tuple[Float
     Each array has one length for each heading of the grid.
     """
     circle = np.linspace(-math.pi, math.pi, 2 * _HEADINGS, endpoint=False)
-    first = circle if stops.first is None else np.array([stops.first])
-    last = circle if stops.last is None else np.array([stops.last])
+    first = circle
+    if stops.first is not None:
+        first = np.array([stops.first])
+    last = circle
+    if stops.last is not None:
+        last = np.array([stops.last])
     starts = np.zeros(headings.size)
     ends = np.zeros(headings.size)
     for i, point in enumerate(stops.points):
-        some = slice(begin[i], begin[i + 1])
-        here = headings[some]
-        starts[some] = _lengths(point, first, here).min(axis=0)
+        part = slice(begin[i], begin[i + 1])
+        here = headings[part]
+        starts[part] = _lengths(point, first, here).min(axis=0)
         if stops.target is not None:
-            ends[some] = _lengths(stops.target - point, here, last).min(axis=1)
+            ends[part] = _lengths(stops.target - point, here, last).min(axis=1)
     return starts, ends
 
 

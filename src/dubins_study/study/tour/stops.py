@@ -31,9 +31,8 @@ class Stops(NamedTuple):
 
         Both begin at the start.
         """
-        some = list(order)
-        points = np.vstack([np.zeros(2), self.points[some]])
-        headings = [self.first, *(self.headings[i] for i in some)]
+        points = np.vstack([np.zeros(2), self.points[list(order)]])
+        headings = [self.first, *(self.headings[i] for i in order)]
         if self.target is None:
             return points, headings
         return np.vstack([points, self.target]), [*headings, self.last]
@@ -44,7 +43,7 @@ class Stops(NamedTuple):
         That is a via point with a heading. The start becomes the first point.
         """
         others = np.delete(self.points, place, axis=0)
-        around = np.vstack([np.zeros((1, 2)), others]) - self.points[place]
-        rest = [heading for i, heading in enumerate(self.headings) if i != place]
-        heading = self.headings[place]
-        return Stops(around, [None, *rest], first=heading, target=(0.0, 0.0), last=heading)
+        around = np.vstack([np.zeros(2), others]) - self.points[place]
+        headings = [None, *self.headings]
+        heading = headings.pop(place + 1)
+        return Stops(around, headings, first=heading, target=(0.0, 0.0), last=heading)
