@@ -39,7 +39,8 @@ def asked(model: PyomoProgram, engine: NlpCall, native: bool) -> Ask:
     """A function that solves a Pyomo model many times.
 
     A `native` engine gets the file as it is. For the others each inequality becomes an equation
-    with a slack variable.
+    with a slack variable. Points are in the order of `model.unknowns`, duals in that of
+    `model.rows`.
     """
     import casadi as ca
     from pyomo.repn.plugins.nl_writer import NLWriter
@@ -55,6 +56,7 @@ def asked(model: PyomoProgram, engine: NlpCall, native: bool) -> Ask:
     places = {id(variable): place for place, variable in enumerate(variables)}
     of_row = {id(row): place for place, row in enumerate(info.constraints)}
     rows = [of_row[id(row)] for row in model.rows]
+    # for each variable of the file, its place in the caller's order
     to_file = np.array([places[id(variable)] for variable in info.variables])
     n = len(model.unknowns)
     lowest = np.array(file.g_lb)
@@ -63,11 +65,11 @@ def asked(model: PyomoProgram, engine: NlpCall, native: bool) -> Ask:
     order = to_file[to_file < n] if native else np.arange(n)
     x = ca.SX.sym("x", n)
     parameters = ca.SX.sym("data", len(model.data))
-    every = ca.SX(len(variables), 1)
+    every = ca.SX(len(variables), 1)  # all variables in the caller's order
     every[[*order.tolist(), *range(n, len(variables))]] = ca.vertcat(x, parameters)
     written = ca.Function("file", [ca.vertcat(*file.x)], [file.f, ca.vertcat(*file.g)])
     f, g = written(every[to_file.tolist()])
-    sided = np.flatnonzero((lowest != highest) & (not native))
+    sided = np.flatnonzero((lowest != highest) & (not native))  # inequalities that need a slack
     sides = ca.Function("sides", [x, parameters], [g[sided.tolist()]])
     slack = ca.SX.sym("slack", sided.size)
     bounds = None
@@ -84,6 +86,7 @@ def asked(model: PyomoProgram, engine: NlpCall, native: bool) -> Ask:
         begin = guess[order]
         low, high = lower[order], upper[order]
         if not native:
+            # slacks begin at the values of their rows, within the rows' ends
             begin = np.clip(begin, low, high)
             slacks = np.asarray(sides(begin, data)).ravel()
             begin = np.append(begin, np.clip(slacks, lowest[sided], highest[sided]))

@@ -33,10 +33,11 @@ def searched(
     solve: Callable[[Case, FloatArray, float], EngineResult],
     limit: float,
 ) -> Solution:
-    """The answer of runs on each case.
+    """Solve each case; answer with the best run.
 
-    A case is solved from its guesses of a kind until a solution `suffices`. A point is z. `solve`
-    takes the seconds that are left.
+    `guesses` returns a case's points z. A case is solved from them in turn until a solution
+    `suffices` for guesses of this `kind`. `solve` takes a case, a point and the seconds that are
+    left.
     """
     until = perf_counter() + limit
 
@@ -68,7 +69,7 @@ def _chosen(posed: PosedLeg, runs: list[Run[FloatArray]]) -> Solution:
     duals = best.result.duals
     multipliers = None
     if duals is not None:
-        sides = (1, -1) if subproblem.mirrored else (1, 1)
+        sides = (1, -1) if subproblem.mirrored else (1, 1)  # y points the other way in a mirror
         multipliers = in_world(scenario, np.multiply(sides, duals[:2]))
     # a point that its engine calls infeasible is no path, and some engines return no numbers when
     # they fail

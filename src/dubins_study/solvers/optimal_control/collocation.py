@@ -74,7 +74,10 @@ class Shape(NamedTuple):
 def pyomo_model(shape: Shape) -> Any:
     """The transcription in Pyomo.
 
-    The points and the final heading are variables to be fixed.
+    The variables are the states `x`, `y` and `theta` at the collocation points, the `turn` (rad) of
+    each element, and durations (radii). There is a `duration` for each leg if the elements are
+    equal, else for each element. `data`, the points and a final heading, are variables for the
+    caller to fix.
     """
     from pyomo import environ as pyo
     from pyomo.dae import ContinuousSet, DerivativeVar
@@ -98,7 +101,7 @@ def pyomo_model(shape: Shape) -> Any:
     def length(e: int) -> Any:
         return m.duration[(e - 1) // n + 1] / n if equal else m.duration[e]
 
-    times = {tau: math.ceil(tau) for tau in m.tau if tau > 0}
+    times = {tau: math.ceil(tau) for tau in m.tau if tau > 0}  # the element of each point
     m.east = pyo.Constraint(
         times, rule=lambda m, t: m.dx[t] == length(times[t]) * pyo.cos(m.theta[t])
     )
@@ -149,7 +152,8 @@ class Collocation(NlpTranscription):
         def solve(guess: Guess, rates: Rates, until: float) -> Transcribed:
             """Solve from a guess.
 
-            The states of the guess follow its controls.
+            The guess has controls, from which its states follow. The values are in the order of the
+            unknowns in `template`.
             """
             turn, length = guess.elements
             times = length.reshape(legs, -1).sum(axis=1) if equal else length
@@ -163,7 +167,7 @@ class Collocation(NlpTranscription):
             lower, upper = np.full(values.size, -math.inf), np.full(values.size, math.inf)
             lower[: times.size] = 0.0
             turns = slice(times.size, times.size + turn.size)
-            # |a| <= h bounds both sides by 1; a branch's other bound is 0
+            # the rows |turn| <= length bound the rate; LS and RS have 0 as their bound on one side
             most = most_turn(course, n, equal)
             lower[turns], upper[turns] = most * rates.lower, most * rates.upper
             result = compiled.ask(values, course.data, lower, upper, until - perf_counter())

@@ -104,6 +104,7 @@ class Circuit(NamedTuple):
 
 
 def _circuit(graph: Graph) -> Circuit:
+    """The circuit model of a graph."""
     from ortools.sat.python import cp_model
 
     program = cp_model.CpModel()
@@ -111,6 +112,7 @@ def _circuit(graph: Graph) -> Circuit:
     literals = [program.new_bool_var("") for _ in arcs]
     skipped = [program.new_bool_var("") for _ in graph.owner]
     circuit = [(tail, head, literal) for (tail, head), literal in zip(arcs, literals, strict=True)]
+    # CP-SAT leaves a node out by an arc from the node to itself
     circuit += [(node, node, literal) for node, literal in enumerate(skipped)]
     program.add_circuit(circuit)
     for place in range(graph.places.count):

@@ -51,7 +51,8 @@ class OrderFirst(Solver):
     def choose(self, places: Places, until: float) -> tuple[list[int], FloatArray]:
         """The order of the places, and the headings.
 
-        These are the headings at the places and at the end.
+        Returns two values: the places in the order, the start first; and the headings (rad) at the
+        beginning of each leg and at the end of the last, shape (legs + 1,).
         """
 
 
@@ -101,7 +102,7 @@ def _alternating(places: Places, order: list[int]) -> FloatArray:
     first = 0 if places.given[0] is None else 1
     headings = np.zeros(count)
     for k, place in enumerate(order):
-        leg = k if (k - first) % 2 == 0 else k - 1
+        leg = k if (k - first) % 2 == 0 else k - 1  # the straight leg that begins or ends here
         given = places.given[place]
         headings[k] = bearings[min(max(leg, 0), len(bearings) - 1)] if given is None else given
     return np.append(headings, headings[0]) if places.closed else headings
