@@ -111,15 +111,15 @@ class Answer(Spent, Times, Certificate, Judgement, Reported):
         return f"Answer(\n{text})"
 
     def __dir__(self) -> tuple[str, ...]:
-        """The names that a planner needs.
+        """The names that `dir` lists.
 
-        Every other column is reached by its name.
+        They are those that a planner needs. Every other column is reached by its name.
         """
         return _FOR_A_PLANNER
 
     @property
     def certificate(self) -> Certificate:
-        """The proof and its evidence alone."""
+        """The answer's proof and the evidence for it."""
         return Certificate(**{name: getattr(self, name) for name in _CERTIFICATE})
 
     @property
@@ -153,17 +153,17 @@ class Answer(Spent, Times, Certificate, Judgement, Reported):
 
     @property
     def curvatures(self) -> list[float] | None:
-        """The path's curvatures, or None.
+        """The path's curvatures (1 / length unit), or None.
 
-        None without a path, or if one of its controls is not finite.
+        None without a path, or if one of its curvatures or lengths is not finite.
         """
         return controls(self.path)[0]
 
     @property
     def lengths(self) -> list[float] | None:
-        """The path's lengths, or None.
+        """The lengths of the path's arcs, or None.
 
-        None without a path, or if one of its controls is not finite.
+        None without a path, or if one of its curvatures or lengths is not finite.
         """
         return controls(self.path)[1]
 
@@ -194,14 +194,14 @@ def _scenario_text(scenario: Scenario) -> str:
 
 
 class QuestionError(DubinsStudyError, ValueError):
-    """A scenario, branch or limit that no solver takes.
-
-    An initial guess that cannot be given to a solver raises it too.
-    """
+    """A scenario, branch, limit or guess that no solver takes."""
 
 
 def check_branch(scenario: Scenario, branch: str) -> None:
-    """Refuse a branch that the scenario cannot have."""
+    """Refuse a branch that the scenario cannot have.
+
+    Such a branch is a QuestionError.
+    """
     if branch not in branches_of(scenario):
         kind = kind_of(scenario)
         paths = ", ".join(kind.branches)
@@ -211,7 +211,8 @@ def check_branch(scenario: Scenario, branch: str) -> None:
 def check_request(branch: str, limit: float, limit_name: str = "limit") -> None:
     """Refuse an unknown branch or an impossible time limit.
 
-    A time limit is a finite number of seconds above 0.
+    A time limit is a finite number of seconds above 0. Anything else is a QuestionError, which
+    calls the limit by `limit_name`.
     """
     if not isinstance(branch, str) or branch not in EVERY_BRANCH:
         near = did_you_mean(branch, PATH_BRANCHES)
@@ -236,7 +237,8 @@ def attempt(
 ) -> Answer:
     """Ask a solver, time it and judge its answer.
 
-    An exception that the solver raises is judged as its answer.
+    An exception that the solver raises is judged as its answer. `limit` is in seconds, `allowed`
+    are the check's tolerances. `spec` is the solver's name in the answer.
     """
     prepare(question.scenario, question.branch)
     began = monotonic()
@@ -254,6 +256,7 @@ def judged(
     """The answer of a reply, judged and certified.
 
     The check computes the verdict and the certificate; the reply's claim stands beside them.
+    `spec` and `method` describe the solver. `allowed` are the check's tolerances.
     """
     solution = reply.solution
     scenario = question.scenario
@@ -262,7 +265,7 @@ def judged(
     pathless = pathless_kind_of(branch)
     if path is not None:
         prepare(scenario, branch)
-    allowed = allowed.begun()
+    allowed = allowed.begun()  # the time of the check's searches runs from here
     if pathless is not None:
         tolerance = method.tolerance or allowed.gap
         judgement, certificate = pathless.judge(scenario, solution.point, solution.claim, tolerance)
@@ -281,6 +284,7 @@ def judged(
         judgement = _with_trace(judgement, question, solution, allowed)
     fields: dict[str, Any] = method.columns(question)
     fields |= vars(reply.times) | vars(judgement) | vars(certificate)
+    # what the solver reports; numbers that are not finite become None
     fields |= {name: getattr(solution, name) for name in _REPORTED}
     fields |= {name: _finite(fields[name]) for name in _REPORTED_NUMBERS} | _spent(solution)
     if solution.presolved:  # no engine has proved anything, whatever the check finds
@@ -301,8 +305,8 @@ _SHORTER_KNOWN = (Verdict.LONGER, Verdict.MISSES, Verdict.NONE)
 def shorter_answer(answer: Answer) -> Answer | None:
     """The shortest path that the check knows, judged.
 
-    It is returned if the answer's path is longer or misses, or if there is none. Otherwise, and for
-    a branch that asks for no path, the result is None.
+    The result is None unless the answer's path is longer, misses the target or does not exist. For
+    a branch that asks for no path the result is None too.
     """
     if answer.verdict not in _SHORTER_KNOWN or pathless_kind_of(answer.branch):
         return None
@@ -315,7 +319,7 @@ def shorter_answer(answer: Answer) -> Answer | None:
 def controls(path: Path | None) -> tuple[list[float], list[float]] | tuple[None, None]:
     """Curvatures and lengths as a row holds them.
 
-    Both are None without a path, or if a number among them is not finite.
+    Returns two lists. Both are None without a path, or if one of their numbers is not finite.
     """
     if path is None:
         return None, None
@@ -337,10 +341,11 @@ def _with_trace(
 ) -> Judgement:
     """The judgement with the columns of a trace.
 
-    A path of the trace is listed if it arrives and is shorter than all listed before it.
+    A path of the trace is listed if it arrives and is shorter than all listed before it. The
+    columns hold its length, and the evaluations until then.
     """
     evaluations = []
-    lengths = [math.inf]
+    lengths = [math.inf]  # for the first comparison; left out at the end
     for count, path in solution.trace:
         step = judge(question.scenario, path, branch=question.branch, tolerances=allowed)
         if step.gap is not None and step.length is not None and step.length < lengths[-1]:
@@ -354,9 +359,10 @@ _REPORTED_NUMBERS = [column.name for column in columns(Reported) if column.type 
 
 
 def _spent(solution: Solution) -> dict[str, Any]:
-    """The columns of `Spent`.
+    """The columns of `Spent`, by name.
 
-    A value that the solver does not report is null.
+    A value that the solver does not report is None. The lists have one number for each subproblem;
+    NaN stands for evaluations that were not counted.
     """
     best_run = solution.best_run
     values: dict[str, Any] = dict.fromkeys(_SPENT)

@@ -61,7 +61,8 @@ def solve_frame(
 ) -> pd.DataFrame:
     """Solve and judge every scenario of a frame.
 
-    This happens in the caller's process, without a worker.
+    This happens in the caller's process, without a worker. The arguments and the returned frame are
+    those of `experiments.solve.solve_frame`.
     """
     check_request(branch, limit)
     allowed = tolerances(profile, limit)
@@ -69,6 +70,7 @@ def solve_frame(
     frame, others = checked(scenarios)
     check_branches(frame, branch)
     whole = backend.solve_frame
+    # `whole` is the solver's `solve_frame`, or None if it must be asked row by row
     presolves = backend.presolve is True
     if presolves or unavailable(backend) is not None or branch not in backend.branches:
         whole = None
@@ -94,9 +96,10 @@ def _all_at_once(
     allowed: Tolerances,
     certified: bool,
 ) -> pd.DataFrame:
-    """The judged rows of one kind, answered whole.
+    """The judged rows of a frame answered at once.
 
-    The solver answers the whole frame in one call of its `solve_frame`.
+    `whole` is the solver's `solve_frame`. All rows of the frame are of one kind. The time of a row
+    is the call's time over the number of rows.
     """
     from dubins_study.study.judging.verdict_frame import judge_frame
 
@@ -122,7 +125,8 @@ def _run(
 ) -> tuple[Outcome, FrameSolution, float]:
     """The outcome, the answers and the seconds they took.
 
-    A solver that raises, or returns something else, has answered no row.
+    A solver that raises, or returns no `FrameSolution` for all rows, has answered no row: the
+    outcome is `raised`, and the message says why.
     """
     began = perf_counter()
     try:
@@ -143,9 +147,9 @@ def _run(
 
 
 def _arrays(solution: FrameSolution, judgement: FrameJudgement) -> dict[str, Any]:
-    """The answers' columns that differ between rows.
+    """The answers' columns that differ between rows, by name.
 
-    Codes and flat buffers are used as they are, without a copy.
+    Codes and flat buffers become columns without a copy.
     """
     from dubins_study.study.judging.verdict_frame import TEXTS
 
@@ -169,7 +173,10 @@ def _certificates(
     branch: str,
     allowed: Tolerances,
 ) -> dict[str, Any]:
-    """The certificate's columns, computed row by row."""
+    """The certificate's columns, by name.
+
+    Each row is certified by itself.
+    """
     bounds = solution.lower_bound
     rows = []
     for number, scenario in enumerate(scenarios_of(frame)):
@@ -189,7 +196,7 @@ def _certificates(
 
 
 def _texts(codes: Any, texts: Iterable[str]) -> Any:
-    """A column of texts by their codes.
+    """A categorical column: `texts[code]` for each code.
 
     The code 255 stands for a missing text.
     """
@@ -211,7 +218,7 @@ def _storable(value: Any) -> Any:
 def _constant(value: Any, kind: str, n: int) -> Any:
     """A column of n times one value.
 
-    None is a missing value.
+    `kind` is the column's Arrow type. None is a missing value; for `bool` it becomes False.
     """
     missing = value is None
     match kind:
@@ -230,9 +237,10 @@ def _constant(value: Any, kind: str, n: int) -> Any:
 
 
 def _controls(paths: Paths) -> tuple[Any, Any]:
-    """Curvatures and lengths as list columns.
+    """Curvatures and lengths as two columns of lists.
 
-    Each lies over one flat buffer. A row without a path is null.
+    A row's lists have an entry for each arc that has a length. A row without a path is null. The
+    lists of a column are parts of one flat buffer, so that none is copied.
     """
     from dubins_study.study.closed_form.kernel import flatten
     from dubins_study.study.closed_form.kernel_compile import loop_input
@@ -240,6 +248,7 @@ def _controls(paths: Paths) -> tuple[Any, Any]:
     n = len(paths)
     offsets = np.empty(n + 1, np.int64)
     flat = np.empty((2, paths.lengths.size + 1))
+    # fills both: the flat curvatures and lengths, and the place where each row begins in them
     flatten(loop_input(paths.curvatures), loop_input(paths.lengths), offsets, *flat)
     missing: Any = None
     if paths.returned is not None:
@@ -255,14 +264,15 @@ def _controls(paths: Paths) -> tuple[Any, Any]:
 def checked(scenarios: pd.DataFrame) -> tuple[pd.DataFrame, pd.DataFrame]:
     """The checked scenarios, and the caller's other columns.
 
-    The other columns are carried along. Columns of an answer are dropped, so that rows of answers
+    Returns two frames with one index. Columns of an answer are in neither, so that rows of answers
     can be asked again.
     """
     if not isinstance(scenarios, pd.DataFrame):
         return check_frame(scenarios), pd.DataFrame()
     of_scenarios = {*names(SCENARIO), "via"}
     of_answers = {*names(ANSWER)}
-    # a misspelt column must not be replaced by its default
+    # A misspelt column must not be replaced by its default: a name that is near to that of a
+    # missing column goes to the check, which refuses it.
     missing = [name for name in DEFAULTS if name not in scenarios]
     unknown = [name for name in scenarios if name not in of_scenarios | of_answers]
     misspelt = {name for name in unknown if nearest(name, missing)}
@@ -282,9 +292,10 @@ def with_others(rows: pd.DataFrame, others: pd.DataFrame) -> pd.DataFrame:
 
 
 def _parts(frame: pd.DataFrame) -> list[tuple[Kind, Any]]:
-    """The kinds of a checked frame's rows.
+    """The kinds in a checked frame, with their rows' places.
 
-    A frame without rows counts as one of legs.
+    Returns pairs of a kind and an array of places, counted from 0. A frame without rows gives one
+    pair: legs, without places.
     """
     parts = [(kind, np.flatnonzero(rows_of(frame, kind))) for kind in KINDS]
     return [(kind, places) for kind, places in parts if len(places)] or parts[:1]
@@ -293,8 +304,9 @@ def _parts(frame: pd.DataFrame) -> list[tuple[Kind, Any]]:
 def check_branches(frame: pd.DataFrame, branch: str) -> None:
     """Refuse a branch that a row cannot have.
 
-    The frame has passed `check_frame`.
+    The frame has passed `check_frame`. The QuestionError names the first such row.
     """
+    # all rows of a kind have the same branches, so its first row stands for them
     firsts = sorted(int(places[0]) for _, places in _parts(frame) if len(places))
     for place in firsts:
         try:
@@ -311,20 +323,20 @@ def questions(frame: pd.DataFrame, branch: str) -> Iterator[Question]:
 def row_by_row(frame: pd.DataFrame, answers: Iterable[Answer]) -> pd.DataFrame:
     """The frame of single answers.
 
-    There is one answer for each row of the frame of scenarios.
+    `frame` has the scenarios. The answers come in the order of its rows, one for each.
     """
     return _framed(frame, _columns([answer.row() for answer in answers], ANSWER), {})
 
 
 def _columns(rows: list[dict[str, Any]], of: tuple[Column, ...]) -> dict[str, Any]:
-    """The columns of rows, by name."""
+    """The columns `of` some rows, by name."""
     return {c.name: _typed([row[c.name] for row in rows], c.type) for c in of}
 
 
 def _typed(values: Sequence[Any], kind: str) -> Any:
-    """A column of values of one type.
+    """A column of values of one Arrow type, `kind`.
 
-    It has the dtype that `_constant` gives the same type.
+    The column has the dtype that `_constant` gives this type.
     """
     match kind:
         case "string":
@@ -344,8 +356,8 @@ def _framed(
 ) -> pd.DataFrame:
     """The rows of a frame: scenarios, then answers.
 
-    A column comes from `arrays`, or else has its one value from `of_all_rows`. In neither it is
-    missing.
+    A column of answers comes from `arrays`, or else repeats its one value from `of_all_rows`. A
+    column that is in neither has missing values.
     """
     all_columns = {name: frame[name] for name in names(SCENARIO)} | arrays
     # one array of nulls serves all columns of its type

@@ -41,7 +41,7 @@ class Reply(NamedTuple):
 def no_answer(outcome: Outcome, message: str, times: Times = _NO_TIMES, status: str = "") -> Reply:
     """The reply of a solver that did not answer.
 
-    Its message says why.
+    `message` says why. The reply has no path and makes no claim.
     """
     return Reply(outcome, Solution(Claim.NONE, native_status=status, message=message), times)
 
@@ -62,8 +62,10 @@ def ask(
 ) -> Reply:
     """Put a question to a solver and time it.
 
-    If the presolve answers the question, the solver is not asked. An exception that the solver
-    raises becomes its reply; before that, `raised` is called with the exception and its traceback.
+    A solver that is unavailable, or does not take the question, is not asked; the reply says why.
+    If the presolve answers the question, the solver is not asked either. An exception that the
+    solver raises becomes its reply; before that, `raised` is called with the exception and its
+    traceback. `limit` is in seconds.
     """
     reason = unavailable(solver)
     if reason is not None:
@@ -83,6 +85,7 @@ def ask(
             presolve_solution = presolved(question)
         model = presolve_solution or solver.build(question)
         built = perf_counter()
+        # building is taken off the limit, but some time to solve is left always
         limit_left = max((1 - _HELD_BACK) * limit - (built - began), _HELD_BACK * limit)
         solution = presolve_solution or solver.solve(model, limit_left)
         ended = perf_counter()
@@ -126,9 +129,9 @@ _MAX_MESSAGE_CHARS = 2000  # a row holds no longer message
 
 
 def exception_text(error: BaseException) -> str:
-    """The name and message of an exception.
+    """An exception's name and message as one text.
 
-    Only the name is returned if the conversion of the exception to text fails.
+    If the exception cannot be converted to text, the result is only its name.
     """
     name = type(error).__name__
     try:

@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 
 _NONE = "no {} path exists"
 _OPEN = "the search ended before it had proved the path to be shortest"
+# a search whose relative gap is smaller has proved its path to be shortest
 _CLOSED = min(tolerances.gap for tolerances in PROFILES.values())
 
 
@@ -91,7 +92,9 @@ class Analytic(Solver):
         length = rows.segments
         absent = rows.word == NO_PATH
         # a word has no rate where it has no letter
+        # one row a letter, one column a word; NaN where a word has no such letter
         letter_rates = np.nan_to_num(rates.T[: len(length)], nan=0.0)
+        # a row without a path reads word 0 here; its lengths become 0 below
         curvature = np.take(letter_rates, np.where(absent, 0, rows.word), axis=1)
         curvature /= frame["radius"].to_numpy(np.float64)
         paths = Paths(curvature, length)

@@ -31,12 +31,13 @@ _AT, _WEIGHTS = (half[_POINTS // 2 :] for half in np.polynomial.legendre.leggaus
 def chord(heading: Any, turn: Any, length: Any) -> tuple[Any, Any]:
     """The chord (x, y) of an arc, in radii.
 
-    `heading` is the heading at the arc's start and `turn` its turn, both in rad. The values may be
-    numbers or casadi expressions.
+    `heading` is the heading at the arc's start and `turn` its turn, both in rad. `length` is in
+    radii. The values may be numbers or casadi expressions.
     """
     from casadi import cos, sin
 
     half = turn / 2
+    # the sum is sinc(half), by the quadrature of the module's docstring
     straight = length * sum(w * cos(half * t) for t, w in zip(_AT, _WEIGHTS, strict=True))
     return straight * cos(heading + half), straight * sin(heading + half)
 
@@ -53,9 +54,10 @@ LEAST = 1e-3  # radii; elements of no length would be a poor guess
 
 
 def most_turn(course: Course, n: int, equal: bool) -> float:
-    """The largest turn (rad) of one element.
+    """The largest turn (rad) that one element may have.
 
-    A leg has n elements.
+    The largest turn of `equal` elements is pi. The n elements of free length on a leg share 4 pi.
+    They share 3 pi if the course is one leg with a free final heading (see `MOST_TURN_EACH`).
     """
     if equal:
         return MOST_TURN_EACH
@@ -66,10 +68,7 @@ def most_turn(course: Course, n: int, equal: bool) -> float:
 
 
 class Rates(NamedTuple):
-    """Bounds on the turn rate.
-
-    They are in units of 1 / radius.
-    """
+    """Bounds on the turn rate, in units of 1 / radius."""
 
     lower: float
     upper: float
@@ -102,7 +101,10 @@ class Elements(NamedTuple):
         return float(self.length.sum())
 
     def within(self, rates: Rates) -> Elements:
-        """The elements with every turn rate within its bounds."""
+        """New elements, with lengths and turn rates within bounds.
+
+        Lengths below 0 become 0. A turn rate beyond a bound becomes that bound.
+        """
         length = np.maximum(self.length, 0.0)
         return Elements(np.clip(self.turn, rates.lower * length, rates.upper * length), length)
 
@@ -112,9 +114,9 @@ def cut(path: Path, n: int, shares: FloatArray | None) -> Elements:
 
     The path is in body coordinates at unit radius.
 
-    Elements with given shares (n,) of the length turn as the path does over their length. Otherwise
-    every arc is cut into equal parts that turn by similar angles. A path of more than n arcs
-    becomes equally long elements.
+    With `shares`, shape (n,), each element gets its share of the path's length. It turns as much as
+    the path does over that part. With None each arc is cut into equal parts; arcs that turn more
+    get more parts. A path of no arc or of more than n arcs is cut into n equal lengths instead.
     """
     driven = path.lengths > 0
     curvature = path.curvatures[driven]
@@ -129,6 +131,7 @@ def cut(path: Path, n: int, shares: FloatArray | None) -> Elements:
     turn = curvature * length
     parts = np.ones(turn.size, dtype=int)
     for _ in range(n - turn.size):
+        # one more part for the arc whose parts turn most; `LEAST` lets a straight be cut too
         parts[np.argmax((np.abs(turn) + LEAST) / parts)] += 1
     return Elements(np.repeat(turn / parts, parts), np.repeat(length / parts, parts))
 
@@ -139,17 +142,17 @@ _TURNING = 2 * math.pi  # radii; a turn towards a target far away is shorter tha
 
 
 def step_shares(n: int, mesh: str, course: Course) -> FloatArray:
-    """Shares of n steps in their leg's length.
+    """The share of each step in its leg's length.
 
-    Shape (legs, n); each row sums to 1. On the mesh `graded` half of the steps share about a full
-    circle's length at the start, where the path turns. If equal steps are shorter than that, the
-    steps are equal.
+    Shape (legs, n); each row sums to 1. On the mesh `equal` all shares are 1 / n. On the mesh
+    `graded` the first half of the steps shares about a full circle's length, since a leg turns at
+    its start. A leg on which equal steps are even shorter has equal steps.
     """
     turning = (n + 1) // 2
     straight = n // 2
     shares = np.full((course.legs, n), 1.0 / n)
     for leg, distance in enumerate(np.hypot(*course.steps.T).tolist()):
-        share = _TURNING / (_TURNING + distance)
+        share = _TURNING / (_TURNING + distance)  # of the turning steps together
         if mesh == "graded" and share < turning / n:
             parts = (share / turning, (1 - share) / straight)
             shares[leg] = np.repeat(parts, (turning, straight))
@@ -159,17 +162,18 @@ def step_shares(n: int, mesh: str, course: Course) -> FloatArray:
 class Rollout(NamedTuple):
     """Elements driven exactly, with derivatives of their chords.
 
-    The derivatives are by the heading before and the heading after each element, at fixed lengths.
+    Each array has shape (2, N): x and y (radii) of each element's chord, or their derivatives. The
+    derivatives are by the heading before and the heading after the element, at fixed lengths.
     """
 
-    chords: FloatArray  # shape (2, N)
+    chords: FloatArray
     by_before: FloatArray
     by_after: FloatArray
 
     def gaps(self, elements: Elements, course: Course) -> FloatArray:
-        """The part of each step that is missing.
+        """Each leg's step minus the sum of its chords.
 
-        Step minus the sum of the leg's chords, shape (legs, 2), in radii.
+        Shape (legs, 2), in radii.
         """
         legs = self.chords.reshape(2, course.legs, -1).sum(axis=2)
         gaps: FloatArray = course.steps - legs.T
@@ -177,9 +181,9 @@ class Rollout(NamedTuple):
 
 
 def rollout(elements: Elements) -> Rollout:
-    """Drive the elements exactly.
+    """Drive the elements from heading 0.
 
-    The derivatives are exact, at fixed lengths.
+    Returns the chords and their derivatives. Both are exact.
     """
     half = elements.turn / 2
     middle = np.cumsum(elements.turn) - half
@@ -206,9 +210,9 @@ def _sinc_slope(x: FloatArray, sinc: FloatArray) -> FloatArray:
 
 
 def turn_left(elements: Elements, course: Course) -> float:
-    """The turn to the final heading (rad).
+    """The turn (rad) that remains to the final heading.
 
-    It is within half a turn, and 0 if the final heading is free.
+    The turn is from -pi to pi. It is 0 if the final heading is free.
     """
     if course.last is None:
         return 0.0
@@ -218,8 +222,9 @@ def turn_left(elements: Elements, course: Course) -> float:
 def missed(elements: Elements, course: Course, rolled: Rollout | None = None) -> FloatArray:
     """Differences between the points and the path, shape (m,).
 
-    Two for each point (x, y in radii): the point minus the path's place. If a final heading is
-    given, one more: the rest of the turn (rad).
+    Each point has two (x, y in radii): the point minus the place where the path's leg ends. A final
+    heading, if given, adds one: the turn that remains (rad). `rolled` is the elements' rollout if
+    the caller has it.
     """
     gaps = np.cumsum((rolled or rollout(elements)).gaps(elements, course), axis=0).ravel()
     if course.last is None:
@@ -255,7 +260,7 @@ def slopes(elements: Elements, course: Course, rolled: Rollout) -> tuple[FloatAr
     legs = course.legs
     N = elements.turn.size
     ends = np.cumsum(rolled.chords, axis=1)
-    last = np.arange(1, legs + 1) * (N // legs) - 1
+    last = np.arange(1, legs + 1) * (N // legs) - 1  # index of each leg's last element
     before = np.arange(N) <= last[:, None]  # a leg ends after these elements
     arm = (ends[:, last].T[:, :, None] - ends) * before[:, None]  # a turn swings what follows it
     by_turn = np.stack((-arm[:, 1], arm[:, 0]), axis=1) + rolled.by_after * before[:, None]
@@ -269,9 +274,9 @@ def slopes(elements: Elements, course: Course, rolled: Rollout) -> tuple[FloatAr
 
 
 def close_enough(course: Course) -> float:
-    """A miss (radii) that needs no correction.
+    """The largest miss (radii) that needs no correction.
 
-    The rounding of far coordinates leaves as much.
+    It is `CLOSE`, or more if the rounding of far coordinates leaves more.
     """
     return max(CLOSE, 8 * np.finfo(float).eps * (course.magnitude - 1.0))
 
@@ -297,6 +302,8 @@ _WITHIN = 0.9  # the share of the way to a bound that a gentle step may go
 def closed(elements: Elements, rates: Rates, course: Course, equal: bool) -> Closed:
     """Change the controls as little as the points need.
 
+    Returns the changed elements. If `equal`, all elements of a leg grow by one factor.
+
     Every variable is in units of its distance from its bounds. A variable that the solver left at a
     bound therefore stays there. To first order the length changes by no more than if the points had
     moved by the miss. If the path still misses, for instance because no variable is free on a
@@ -319,9 +326,9 @@ def corrected(
 ) -> Closed:
     """Newton's method for the path to meet its points.
 
-    The unknowns are the rates and the lengths. With `equal` all elements of a leg grow by one
-    factor. With `gentle` the variables are in units of their distance from their bounds. The best
-    of all iterates is returned.
+    Returns the iterate that misses least, after at most `steps` steps. The unknowns are the rates
+    and the lengths. With `equal` all elements of a leg grow by one factor. With `gentle` the
+    variables are in units of their distance from their bounds.
     """
     close = close_enough(course)
     current = elements
@@ -332,6 +339,7 @@ def corrected(
         off = largest(gaps, course)
         if best is None or off < best.miss:
             best = Closed(current, off, rollouts, rolled)
+        # near enough, lost, or out of steps
         if not close < off < math.inf or not current.total > 0 or rollouts > steps:
             break
         by_turn, by_length = slopes(current, course, rolled)
@@ -352,7 +360,8 @@ def _moved(
 ) -> Elements:
     """The elements after one step of the correction.
 
-    It is the shortest step that solves the linearised equations. Rates stop at their bounds.
+    The step is the shortest one that solves the linearised equations. Rates stop at their bounds.
+    `by_length` holds the derivatives by growth: one column an element, or one a leg.
     """
     rate = elements.rate
     n = rate.size
@@ -363,6 +372,7 @@ def _moved(
     jacobian = np.column_stack((by_turn * (elements.length * unit), by_length))
     free = np.ones(jacobian.shape[1], dtype=bool)
     step = np.zeros(free.size)
+    # a rate that a step takes beyond a bound is fixed there, and the others are solved for again
     for _ in range(n):
         residual = gaps - jacobian[:, ~free] @ step[~free]
         step[free] = np.linalg.lstsq(jacobian[:, free], residual, rcond=1e-12)[0]

@@ -24,8 +24,9 @@ from dubins_study.study.scenario import Pose, Scenario
 class Course:
     """The n legs of a scenario.
 
-    The unknown headings are those at the points after the start, shape (k,). Methods take one set
-    of headings, or several at once in a further dimension.
+    The unknown headings (rad) are those at the points after the start, shape (k,). A final heading
+    that is given is not among them. Methods take one set of headings, or several at once in a
+    further dimension.
     """
 
     steps: FloatArray  # from each point to the next (radii), shape (n, 2)
@@ -51,7 +52,8 @@ class Course:
     def magnitude(self) -> float:
         """The size (radii) of the terms in the equations.
 
-        These are the equations over the points, which add the terms up.
+        The equations compare sums of terms with the points' coordinates, so their rounding error is
+        about `EPS` times this size: 1 plus the largest |x| + |y| of a point.
         """
         return 1.0 + float(np.abs(np.cumsum(self.steps, axis=0)).sum(axis=1).max())
 
@@ -78,7 +80,7 @@ class Course:
         return headings
 
     def headings(self, unknown: FloatArray) -> FloatArray:
-        """The headings at all points.
+        """The headings at all points, the start included.
 
         Shape (k, ...) -> (n + 1, ...).
         """
@@ -103,8 +105,9 @@ class Course:
     def turned(self) -> FloatArray:
         """One turn and one straight for each leg.
 
-        The turn goes the shorter way round, toward the next point. A final heading is turned to at
-        the end. Returns signed turns and straights: (rad, radii, rad) of each leg, shape (n, 3).
+        Row i of the result, shape (n, 3), is leg i: its turn (rad, positive to the left), its
+        straight (radii), and a turn at its end (rad). The first turn goes the shorter way round,
+        toward the next point. The turn at the end is 0, but for a last leg with a final heading.
         """
         bearings = self.bearings()
         legs = np.zeros((self.legs, 3))
@@ -146,10 +149,11 @@ def path_of(
     lengths: Iterable[float],
     start: Pose | None = None,
 ) -> Path:
-    """The path of pieces at unit radius.
+    """A scenario's path from pieces at unit radius.
 
-    A length that is not above zero counts as zero. The path begins with the scenario's start pose,
-    or with `start` where the heading there is free.
+    `turns` are the pieces' curvatures (1 / radius), `lengths` their lengths (radii). Pieces with a
+    length of 0 or less are left out. The path begins with the scenario's start pose, or with
+    `start` where the heading there is free.
     """
     pieces = [
         (turn / scenario.radius, length * scenario.radius)
@@ -160,9 +164,9 @@ def path_of(
 
 
 def coordinate_rounding(scenario: Scenario) -> float:
-    """The distance (radii) that the coordinates' rounding may fake.
+    """The distance (radii) that rounding alone may cause.
 
-    It may appear between start and target where there is none.
+    A start and a target that are one point may be this far apart in rounded coordinates.
     """
     return 2 * EPS * scenario.extent / scenario.radius
 
@@ -179,9 +183,10 @@ def in_world(scenario: Scenario, duals: FloatArray) -> tuple[float, float]:
 
 
 def heading_gap(heading: Any, final: Any) -> Any:
-    """A function that is zero at the final heading.
+    """An expression that is zero at the final heading.
 
-    It is also zero whole turns away from that heading. At its zeros its slope is 1 or -1.
+    The expression is also zero whole turns away from that heading. Its slope at the zeros is 1 or
+    -1. Both headings (rad) may be casadi expressions.
 
     A difference would fix the number of turns. Sine and cosine as two equations would have
     dependent gradients. The sine alone is zero at the opposite heading too.

@@ -89,9 +89,9 @@ class Engine(NamedTuple):
         return call
 
     def tolerance(self, options: str, tol: float = 0.0) -> float | None:
-        """The feasibility that the engine is asked for.
+        """The engine's tolerance on equations in a set of options.
 
-        None if the options leave it to the engine.
+        `options` is the set's name. None if the set leaves the tolerance to the engine.
         """
         chosen = self.options.of(options, tol)
         tolerances = (chosen[name] for name in self.options.feasibility if name in chosen)
@@ -113,7 +113,7 @@ def _resolved(place: str) -> Any:
 
 @cache
 def ipopt_in_casadi() -> dict[str, str]:
-    """The version of Ipopt in casadi's wheel."""
+    """The version of Ipopt in casadi's wheel: {"ipopt": "3.14.11"}."""
     import casadi
 
     # libipopt.so.3, libipopt.3.dylib or libipopt-3.dll
@@ -125,7 +125,7 @@ def ipopt_in_casadi() -> dict[str, str]:
 
 @cache
 def scip_in_pyscipopt() -> dict[str, str]:
-    """The version of SCIP inside pyscipopt."""
+    """The version of SCIP inside pyscipopt: {"scip": "10.0.0"}."""
     from pyscipopt import Model
 
     model = Model()
@@ -196,6 +196,7 @@ _OF_NLOPT = Options(
 )
 
 
+# `plugin` begins each option's name: `uno.` in casadi, nothing in unopy
 def _of_uno(plugin: str = "") -> Options:
     return Options(
         (f"{plugin}primal_tolerance",),
@@ -206,6 +207,7 @@ def _of_uno(plugin: str = "") -> Options:
     )
 
 
+# `inner` are options of the quadratic subproblems' solver, by which it prints nothing
 def _of_sqp(**inner: Any) -> Options:
     always = {"print_header": False, "print_iteration": False}
     always |= {f"qpsol_options.{name}": value for name, value in inner.items()}
@@ -407,7 +409,7 @@ ENGINES = {
 
 
 # By the beginning of an executable's name: the names of its options in AMPL. The time limit holds
-# without an option too: the executable is ended when it is up.
+# without an option too: the executable is ended when the time is up.
 EXECUTABLES = {
     "ipopt": Keywords(
         Options(("tol", "constr_viol_tol"), ("tol", "dual_inf_tol", "compl_inf_tol"), "max_iter"),
@@ -429,7 +431,8 @@ EXECUTABLES = {
 def program_engine(name: str, kind: str) -> Engine:
     """An engine for an executable on PATH.
 
-    The executable is called as AMPL calls a solver.
+    The executable is called as AMPL calls a solver. The names of its options are those of the entry
+    of `EXECUTABLES` with which its name begins, if there is one.
     """
     candidates = (each for begin, each in EXECUTABLES.items() if name.startswith(begin))
     keywords = next(candidates, Keywords())
@@ -441,9 +444,9 @@ def program_engine(name: str, kind: str) -> Engine:
 
 
 def names(*kinds: str) -> tuple[str, ...]:
-    """The names of the engines of some kinds.
+    """Names of the engines of some kinds.
 
-    They are in the order of the table.
+    The names are in the order of the table.
     """
     return tuple(name for name, engine in ENGINES.items() if engine.kind in kinds)
 
@@ -454,7 +457,10 @@ def packages(engines: tuple[str, ...]) -> tuple[str, ...]:
 
 
 def others(solver: str, engines: tuple[str, ...], *default: str) -> tuple[str, ...]:
-    """A solver's specs for engines other than the default."""
+    """A solver's specs for engines other than the default.
+
+    `others("nlp", ("slsqp", "uno"), "slsqp")` is `("nlp[engine=uno]",)`.
+    """
     return tuple(f"{solver}[engine={name}]" for name in engines if name not in default)
 
 
@@ -468,7 +474,8 @@ MINLP_ENGINES = names(PROVEN)
 def engine_or_program(default: str, engines: tuple[str, ...]) -> Any:
     """Declare the setting `engine`.
 
-    Its value is one of some engines, or an executable on PATH that reads NL files.
+    Its value is a name in `engines`, or an executable on PATH that reads NL files. Other names of
+    the table are refused.
     """
     return name_or_program(default, engines, taken=ENGINES)
 
@@ -521,7 +528,8 @@ class EngineSolver(Solver):
 class SearchSolver(EngineSolver):
     """A solver whose engine starts at a guess.
 
-    Engines that search a whole box take no guess.
+    Engines that search a whole box take no guess; for these a guess other than the default is a
+    ValueError. So are `restarts` of an engine that does not search.
     """
 
     initial_guess: str

@@ -76,7 +76,7 @@ def _check(name: str, value: str, choices: tuple[str, ...]) -> None:
 def _guess(scenario: Scenario, order: str) -> tuple[float, ...]:
     """The first initial guess of the local solvers.
 
-    It is in the scenario's unit.
+    Returns z1, z2 and z3 in the scenario's unit.
     """
     case = case_of(order, local(scenario))
     points = initial_guesses(Question(scenario), case, "bearing", seed=0, count=1)
@@ -86,7 +86,7 @@ def _guess(scenario: Scenario, order: str) -> tuple[float, ...]:
 def _paper(scenario: Scenario, order: str) -> Any:
     """The model (4.12) in Pyomo.
 
-    With b = -1/R its two turns are to the right and to the left.
+    For the order RLS the radius is negative: the first turn is then to the right.
     """
     from pyomo.environ import ConcreteModel, Constraint, Expression, Objective, Var, cos, sin
 
@@ -113,6 +113,7 @@ def _gams(program: Any, title: str) -> str:
 
     stream = StringIO()
     options = {"symbolic_solver_labels": True}
+    # the writer asks of each feature whether the reader has it: yes
     WriterFactory("gams")(program, stream, lambda feature: True, options)
     return f"* dubins-study: {title}\n{stream.getvalue().rstrip()}\n"
 
@@ -136,7 +137,7 @@ def _mod(scenario: Scenario, order: str) -> str:
     )
 
 
-# The files of a question, by the ends of their names.
+# The texts of a question's files, by the ends of the files' names: {".nl": "g3 1 1 0 ..."}.
 Texts = dict[str, str]
 
 
@@ -174,7 +175,7 @@ def _paper_texts(_: Any, question: Question) -> Texts:
 def _route_texts(solver: Any, question: Question) -> Texts:
     """A route's program as an NL file.
 
-    It starts at the first initial guess.
+    The file's starting point is the solver's first initial guess.
     """
     model = solver.build(question)
     program = pyomo_model(mixed_program(model.program), solver.first_guess(model))
@@ -193,7 +194,8 @@ def _disjunction_texts(solver: Any, question: Question) -> Texts:
 def _grid_texts(solver: Any, question: Question) -> Texts:
     """A mixed-integer linear program as an MPS file.
 
-    The columns of its arcs name places and headings (rad).
+    The column of an arc is named by the places and headings (rad) at its ends:
+    `p0h0.000000_p1h1.570796`. Further columns are y0, y1, ...
     """
     graph, program = solver.build(question)
     if graph.places.count > 2 and getattr(solver, "model", "") == "cuts":

@@ -46,10 +46,7 @@ def highs_rows(
 
 
 def highs_holding(program: Any, options: OptionValues) -> Any:
-    """A silent `highspy.Highs` that holds a program.
-
-    It has not solved the program yet.
-    """
+    """A silent `highspy.Highs` that holds an unsolved program."""
     import highspy
 
     solver = highspy.Highs()

@@ -33,6 +33,7 @@ class Route(Course):
         as indices into `study.closed_form.pose.WORDS6`.
         """
         several = headings.shape[1:]
+        # each step once for each set of headings, in the order of `ravel`
         x, y = np.repeat(self.steps, int(np.prod(several)), axis=0).T
         segments, words = legs(x, y, headings[:-1].ravel(), headings[1:].ravel())
         shape = (self.legs, *several)
@@ -42,9 +43,10 @@ class Route(Course):
 def legs(
     x: FloatArray, y: FloatArray, first: FloatArray, last: FloatArray
 ) -> tuple[FloatArray, Any]:
-    """The shortest legs over steps between headings.
+    """The shortest legs over m steps between headings.
 
-    A step is (x, y), in radii. Returns segments (3, m) and words (m,).
+    A step is (x, y), in radii. Returns two values: the segments (radii or rad), shape (3, m), and
+    the words, shape (m,), as indices into `study.closed_form.pose.WORDS6`.
     """
     from dubins_study.study.closed_form.pose_kernel import pose_rows  # loads Numba
 
@@ -54,9 +56,6 @@ def legs(
 
 
 def route_of(scenario: Scenario) -> Route:
-    """The route of a scenario.
-
-    Its directions are those of the scenario's axes.
-    """
+    """The route of a scenario, along the scenario's axes."""
     steps = np.diff(scenario.points, axis=0) / scenario.radius
     return Route(steps, scenario.start.heading, scenario.final_heading, free_target(scenario))

@@ -61,8 +61,8 @@ def matrix() -> list[MatrixEntry]:
 def _spec(template: str, name: str) -> str:
     """The spec that asks for an engine.
 
-    `slsqp` and `ipopt` have solvers of their own for the paper's model; the spec then names that
-    solver.
+    The template `nlp[engine={},model=joint]` becomes `nlp[engine=uno,model=joint]`. For `slsqp` and
+    `ipopt`, which have solvers of their own, it becomes `ipopt[model=joint]`.
     """
     if name in APART and template.startswith("nlp[engine={}"):
         return template.replace("nlp[engine={}", f"{name}[").replace("[,", "[").replace("[]", "")
@@ -70,7 +70,10 @@ def _spec(template: str, name: str) -> str:
 
 
 def _of_engine(name: str, kind: str) -> Iterator[MatrixEntry]:
-    """The entries of one engine."""
+    """One entry of an engine for each formulation.
+
+    An entry has the spec of a solver that can run here, or else the reason why there is none.
+    """
     solvers = {}
     for formulation in FORMULATION_LIST:
         if kind not in formulation.specs:
@@ -80,6 +83,7 @@ def _of_engine(name: str, kind: str) -> Iterator[MatrixEntry]:
             solvers[formulation.name] = spec, load(spec)
         except SolverError:  # the engine is not one of this solver's
             continue
+    # formulations without a solver show the name that the engine has in its first solver
     label = next(stated_method(solver).engine for _, solver in solvers.values())
     for formulation in FORMULATION_LIST:
         entry = solvers.get(formulation.name)

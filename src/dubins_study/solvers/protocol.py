@@ -41,7 +41,7 @@ class Question:
     """A scenario, a branch and an initial guess.
 
     The guess is a path when warm, and None when cold. `repeat` numbers the times that the question
-    is put to a solver. A solver that draws random numbers adds it to its seed.
+    is put to a solver. A solver that draws random numbers adds `repeat` to its seed.
     """
 
     scenario: Scenario
@@ -53,8 +53,8 @@ class Question:
     def guess_in_radii(self) -> Path | None:
         """The initial guess at unit radius.
 
-        It starts at (0, 0) with heading 0. None if the question is cold, or if doubles cannot drive
-        the path.
+        The path starts at (0, 0) with heading 0. None if the question is cold, or if its path
+        cannot be driven in doubles.
         """
         guess = self.initial_guess
         radius = self.scenario.radius
@@ -94,9 +94,11 @@ class Method(NamedTuple):
     knows: str = ""
 
     def columns(self, question: Question | None = None) -> dict[str, Any]:
-        """The row's columns.
+        """The columns of a row, by name.
 
-        The guess is `warm` if the question hands one to a search.
+        The columns are the fields and `guesses`, the knowledge in the initial guesses
+        (`study.words.GUESSES`). `guess` is `warm` if the question hands a guess to a search.
+        `knows` lists the knowledge of formulation, guesses and presolve too.
         """
         has_guess = question is not None and question.initial_guess is not None
         guess = self.guess
@@ -241,11 +243,11 @@ _OPTIONAL = {each.name for each in fields(Reported) if str(each.type).endswith("
 class FrameSolution:
     """A solver's answers to n scenarios, as arrays.
 
-    They are the result of the solver's `solve_frame(frame, branch)`. The frame that the solver gets
-    has passed `study.scenario_frame.check_frame`. It has no via points. The final headings of all
-    rows are free, or all are given if the solver takes them. `branch` is one of the solver's own.
-    The caller times the call and judges the paths, as for `Solver.solve`. Values of another shape
-    or type are a TypeError.
+    A solver's `solve_frame(frame, branch)` returns this object. The frame that the solver gets has
+    passed `study.scenario_frame.check_frame`. The frame has no via points. The final headings of
+    all rows are free, or all are given if the solver takes them. `branch` is one of the solver's
+    own. The caller times the call and judges the paths, as for `Solver.solve`. Values of another
+    shape or type are a TypeError.
     """
 
     claim: Claim | ArrayLike  # one for all rows, or indices into `study.path.CLAIMS`, shape (n,)

@@ -47,7 +47,7 @@ def _registered() -> dict[str, EntryPoint]:
 def ours(spec: str) -> bool:
     """Whether a spec only names this package's code.
 
-    The spec may be invalid.
+    The spec may be invalid. An unknown name counts as ours, since it runs nobody else's code.
     """
     name = ""
     if isinstance(spec, str):
@@ -83,9 +83,9 @@ def available_solvers() -> list[str]:
 
 
 def entries() -> list[Entry]:
-    """Every registered solver, followed by its `variants`.
+    """Every registered solver, each followed by its `variants`.
 
-    An entry describes the solver, or gives the reason why it cannot run.
+    If a solver cannot be loaded, its entry has only the reason, and no variants follow.
     """
     listed = []
     for name in registered():
@@ -105,6 +105,7 @@ def entry(spec: str) -> Entry:
 
 
 def _entry(name: str) -> Entry:
+    # a solver that cannot be loaded has only a name and a reason
     try:
         solver = load(name)
     except SolverError as error:
@@ -152,7 +153,9 @@ def unavailable(solver: Solver) -> str | None:
 def reported_versions(solver: Solver) -> dict[str, str]:
     """Versions of the libraries inside a solver's packages.
 
-    Call this in the process that solves, since loading a library may take long or fail.
+    The keys are the libraries' names. If the solver's own method raises, the result names the
+    exception: {"library_versions": "raised OSError"}. Call this in the process that solves, since
+    loading a library may take long or fail.
     """
     try:
         return {str(name): str(text) for name, text in dict(solver.library_versions()).items()}
@@ -161,9 +164,10 @@ def reported_versions(solver: Solver) -> dict[str, str]:
 
 
 def stated_method(solver: Solver) -> Method:
-    """The formulation, engine and guess that a solver states.
+    """The `Method` that a solver states, checked.
 
-    A SolverError tells that the statement is no tuple of texts.
+    A plain tuple becomes a `Method`. `presolve` is read from the solver itself. A SolverError tells
+    that the statement is no tuple of texts.
     """
     stated: Any = solver.method
     method = None
@@ -197,8 +201,9 @@ def settings(solver: Solver) -> dict[str, Any]:
 def canonical(spec: str, profile: str = "default") -> str:
     """The spec as rows write it.
 
-    The settings are in their order, without those that have the profile's values. Settings that the
-    class lists in `always_named` are written whatever their values.
+    Settings stand in the order of the class. Those with the profile's values are left out:
+    `turn-rate-qp[mesh=graded,n=50]` becomes `turn-rate-qp[mesh=graded]`. Settings that the class
+    lists in `always_named` are written whatever their values.
     """
     name, texts = parse_spec(spec)
     kind = _kind(name)
@@ -236,6 +241,7 @@ def load(spec: str, profile: str = "default") -> Solver:
 
 
 def _kind(name: str) -> type[Solver]:
+    """The class of a registered name or of `file.py:Class`."""
     point = _registered().get(name)
     if point is None:
         if file := plugin_file(name):
@@ -265,6 +271,7 @@ def _error_text(error: BaseException) -> str:
 
 @cache
 def _from_file(name: str, plugin: PluginFile) -> type[Solver]:
+    """Run a plug-in's file; return its solver class."""
     file, class_name = plugin
     path = FilePath(file)
     if not path.is_file():
@@ -332,9 +339,9 @@ def _checked(name: str, kind: Any) -> type[Solver]:
 
 
 def _convert(name: str, kind: type[Solver], texts: dict[str, str]) -> dict[str, Any]:
-    """The settings' texts as values.
+    """The settings given as texts, as values by name.
 
-    The values have the types of the defaults.
+    A value has the type of the setting's default.
     """
     if not texts:
         return {}

@@ -43,7 +43,7 @@ class EngineResult(NamedTuple):
 def no_point(n: int, claim: Claim, status: str, message: str) -> EngineResult:
     """The end of a run that returned no point.
 
-    The point has n variables, all NaN. Nothing is counted.
+    x has n variables, all NaN. Iterations and evaluations are None.
     """
     return EngineResult(np.full(n, np.nan), claim, status=status, message=message)
 
@@ -78,11 +78,11 @@ def timed(
     solve: Callable[[Guess, float], EngineResult],
     length: Callable[[FloatArray], float],
 ) -> Callable[[Guess, float], Run[FloatArray]]:
-    """A function that times runs of `solve`.
+    """A function that runs `solve` and times it.
 
-    `solve` takes the seconds that are left. The function takes a time (s, on `perf_counter`) at
-    which the run must end. The point is the engine's own; `length` gives the length of its path, in
-    radii.
+    The function takes a guess and the time (s, on `perf_counter`) at which the run must end; it
+    returns a `Run`. `solve` takes a guess and the seconds that are left. `length` takes the
+    engine's point and returns the length (radii) of its path.
     """
 
     def run(guess: Guess, until: float) -> Run[FloatArray]:
@@ -113,6 +113,7 @@ def run_attempts(attempts: Iterable[Attempts[Guess, Point]], until: float) -> li
     """
     runs: list[Run[Point]] = []
     subproblems = list(attempts)
+    # `remaining` counts the subproblems from this one on
     for ended, (guesses, solve, enough) in enumerate(subproblems):
         began = perf_counter()
         end = began + (until - began) / (len(subproblems) - ended)
@@ -152,9 +153,9 @@ _WITHOUT_PATH = (Claim.FAILED, Claim.LOCALLY_INFEASIBLE)
 
 
 def spent(runs: Sequence[Run[Any]], best: Run[Any] | None = None) -> dict[str, Any]:
-    """The fields of a solution about its cost.
+    """The fields of a `Solution` about its cost.
 
-    They cover all runs of a question, and the best one.
+    The counts cover all runs of a question. With `best` there are also fields about the best run.
     """
     fields: dict[str, Any] = {
         "iterations": total(run.result.iterations for run in runs),
@@ -169,7 +170,7 @@ def spent(runs: Sequence[Run[Any]], best: Run[Any] | None = None) -> dict[str, A
 
 
 def nothing_found(runs: Sequence[Run[Any]]) -> Solution:
-    """The answer if no run has a point."""
+    """The answer `limit`, for runs without a point."""
     message = "no time to begin"
     if runs:
         message = runs[0].result.message
@@ -177,10 +178,10 @@ def nothing_found(runs: Sequence[Run[Any]]) -> Solution:
 
 
 def at_start(scenario: Scenario, target: Local | None, tolerance: float = 0.0) -> Solution | None:
-    """The answer of no length, or None.
+    """A path of no length as the answer, or None.
 
-    It exists if the target is within `tolerance` radii of the start. `target` is None where a path
-    of no length is no answer: in every case but one leg with a free final heading.
+    The answer exists if the target is within `tolerance` radii of the start. `target` is None where
+    a path of no length is no answer: in every case but one leg with a free final heading.
     """
     if target is None or not math.hypot(target.X, target.Y) <= tolerance:
         return None

@@ -20,7 +20,7 @@ from dubins_study.study.values import did_you_mean
 def missing_package(*names: str) -> str | None:
     """The reason that a package is missing, or None.
 
-    It names the first package that cannot be imported here. None if all can.
+    The reason names the first package that cannot be imported here.
     """
     for name in names:
         if importlib.util.find_spec(name) is None:
@@ -40,9 +40,10 @@ _RULE = object()  # the key of a setting's rule
 
 
 def check_settings(solver: Any) -> None:
-    """Refuse a dataclass with a forbidden setting.
+    """Refuse a solver with a forbidden setting.
 
-    A setting must hold to the rule of its declaration.
+    A setting that breaks the rule of its declaration is a ValueError. A setting without a rule is
+    not checked.
     """
     for setting in fields(solver):
         value = getattr(solver, setting.name)
@@ -137,9 +138,10 @@ class Options(NamedTuple):
     source: str = ""  # of `tuned`
 
     def of(self, name: str, tol: float = 0.0, max_iter: int = 0) -> OptionValues:
-        """The options of a set.
+        """The options in a set: names and values.
 
-        `tol` and `max_iter`, if not 0, replace the set's tolerances and limit of iterations.
+        `name` is one of `OPTION_SETS`. `tol` and `max_iter`, if not 0, replace the set's tolerances
+        and limit of iterations.
         """
         values = dict(self.always)
         if name == "equal":
@@ -165,9 +167,10 @@ class Keywords(NamedTuple):
     seconds: str = ""
 
     def until(self, seconds: float) -> OptionValues:
-        """The time limit as an option.
+        """The time limit as an option, by its name.
 
-        It is rounded down to milliseconds.
+        The limit is rounded down to milliseconds. The result is empty if the executable has no such
+        option, or if no time is left.
         """
         limit = math.floor(1000 * seconds) / 1000
         if self.seconds and limit > 0:
@@ -198,7 +201,10 @@ def iterations() -> Any:
 
 
 def nested(options: Mapping[str, Any]) -> dict[str, Any]:
-    """Options as tables, split at the dots of names."""
+    """Options as tables, split at the dots of names.
+
+    `{"ipopt.tol": 1e-9, "expand": True}` becomes `{"ipopt": {"tol": 1e-9}, "expand": True}`.
+    """
     tables: dict[str, Any] = {}
     for name, value in options.items():
         table, dot, inner = name.partition(".")

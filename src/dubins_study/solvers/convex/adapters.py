@@ -73,7 +73,8 @@ class NotSolvedError(Exception):
     """
 
 
-# a problem, prepared: from options by their names to the end of a run
+# What each adapter below returns for a problem that it has translated: a function that takes the
+# engine's options by their names, solves the problem and returns how the run ended.
 Prepared = Callable[[OptionValues], Ended]
 
 
@@ -95,7 +96,8 @@ class Conic(NamedTuple):
 def conic(problem: Problem) -> Conic:
     """The problem in the form of conic engines.
 
-    Each finite end of a range becomes a row.
+    Each finite end of a range becomes a row. The rows are, in this order: equations, upper ends and
+    lower ends of the other rows, upper bounds and lower bounds of the variables, cones.
     """
     equal = problem.equal
     m = problem.l.size
@@ -108,6 +110,7 @@ def conic(problem: Problem) -> Conic:
     sizes = [each.shape[0] for each in A]
 
     def back(x: FloatArray, s: FloatArray) -> Point:
+        # multipliers of lower ends and lower bounds count as negative
         parts = np.split(s, np.cumsum(sizes)[:-1])
         y = np.zeros(m)
         y[equal] = parts[0]
@@ -132,9 +135,10 @@ def _quadratic(problem: Problem) -> Any:
 
 
 def _boxed(problem: Problem) -> tuple[Any, FloatArray, FloatArray]:
-    """All rows, followed by the variables' bounds.
+    """The problem with its bounds as further rows.
 
-    Returns the matrix, the lower ends and the upper ends.
+    The m rows come first, then the bounds of the n variables. Returns three values: the matrix
+    (m + n, n), the lower ends and the upper ends (m + n,).
     """
     A = csc_matrix(vstack((problem.A, eye_array(problem.q.size))))
     return A, np.concatenate((problem.l, problem.lb)), np.concatenate((problem.u, problem.ub))
@@ -146,14 +150,14 @@ def _point(x: Any, y: Any, z: Any) -> Point:
 
 
 def _of_box(problem: Problem, x: Any, multipliers: Any) -> Point:
-    """A point from the multipliers of `_boxed`."""
+    """A point from x and the multipliers of `_boxed`."""
     return _point(x, *np.split(np.array(multipliers), (problem.l.size,)))
 
 
 def _rows(problem: Problem, equations: Any, others: Any) -> FloatArray:
-    """The multipliers of all rows.
+    """The multipliers of all rows in order, shape (m,).
 
-    They are put together from those of the equations and those of the other rows.
+    `equations` are the multipliers of the equations, `others` those of the other rows.
     """
     y = np.zeros(problem.l.size)
     y[problem.equal] = equations
@@ -257,6 +261,7 @@ def highs(problem: Problem) -> Prepared:
         info = solver.getInfo()
         if not (result.value_valid and result.dual_valid):
             return Ended(native_result)
+        # HiGHS's duals have the opposite sign
         y = -np.array(result.row_dual)
         z = -np.array(result.col_dual)
         return Ended(native_result, _point(result.col_value, y, z), max(0, info.qp_iteration_count))
@@ -308,9 +313,10 @@ def qpalm(problem: Problem) -> Prepared:
 
 
 def ecos(problem: Problem) -> Prepared:
-    """The problem for ECOS, its quadratic term a cone.
+    """Translate a problem for ECOS.
 
-    The cone is sum p x^2 <= 2 v. The variable v replaces the term in the objective.
+    ECOS takes no quadratic term. A further variable v replaces this term in the objective. A
+    further cone says that sum p x^2 <= 2 v.
     """
     import ecos as library
 
@@ -322,6 +328,7 @@ def ecos(problem: Problem) -> Prepared:
         (-2 * np.sqrt(problem.p[squared]), (np.arange(terms), squared)),
         shape=(terms, problem.q.size),
     )
+    # the further cone: |(2 v - 1, 2 sqrt(p) x)| <= 2 v + 1
     of_v = np.full((2, 1), -2.0)
     rows = csc_matrix(block_array([[form.A, None], [None, of_v], [scaled, None]]))
     ends = np.concatenate((form.b, [1.0, -1.0], np.zeros(terms)))
@@ -339,6 +346,7 @@ def ecos(problem: Problem) -> Prepared:
         y = np.zeros(0)
         if zeros:
             y = result["y"]
+        # without those of the further cone
         multipliers = np.concatenate((y, result["z"][: h.size - 2 - terms]))
         point = form.back(result["x"][:-1], multipliers)
         return Ended(result, point, result["info"]["iter"])
@@ -347,7 +355,7 @@ def ecos(problem: Problem) -> Prepared:
 
 
 def daqp(problem: Problem) -> Prepared:
-    """The problem for DAQP, with dense matrices."""
+    """Translate a problem for DAQP: dense, bounds before rows."""
     import daqp as library
 
     n = problem.q.size
@@ -367,9 +375,9 @@ def daqp(problem: Problem) -> Prepared:
 
 
 def through_cvxpy(engine: str, problem: Problem) -> Prepared:
-    """The problem stated in cvxpy.
+    """State a problem in cvxpy.
 
-    Returns a function that compiles and solves it.
+    Returns a function that compiles the problem and solves it by the engine.
     """
     import cvxpy as cp
 
@@ -425,16 +433,16 @@ class Engine(NamedTuple):
     adapter: Callable[[Problem], Prepared]  # by its own interface
     # reads the status of its result, whether returned by its own interface or to cvxpy
     status: Callable[[Any], Any]
-    tolerances: tuple[str, ...]
-    zeros: tuple[str, ...] = ()  # relative tolerances
-    seconds: str = ""  # the limit of time, where there is one
-    others: Mapping[str, Any] = MappingProxyType({})
-    cones: bool = False
+    tolerances: tuple[str, ...]  # names of the absolute tolerances
+    zeros: tuple[str, ...] = ()  # names of the relative tolerances, which are set to 0
+    seconds: str = ""  # name of the time limit; empty where there is none
+    others: Mapping[str, Any] = MappingProxyType({})  # further options and their values
+    cones: bool = False  # whether it takes second-order cones
     least: float = 0.0  # smallest tolerance that it takes
     tuned: Mapping[str, Any] = MappingProxyType({})  # its makers' advice, beside the rest
 
     def options(self, ask: Ask) -> OptionValues:
-        """The engine's options, by their names."""
+        """The options of a run: their names and values."""
         values = dict.fromkeys(self.tolerances, max(ask.tolerance, self.least))
         values |= dict.fromkeys(self.zeros, 0.0) | dict(self.others)
         if ask.tuned:
@@ -543,9 +551,10 @@ ENGINES = {
 
 
 def prepare(engine: str, interface: str, problem: Problem) -> Callable[[Ask], Reply]:
-    """The function that solves a problem by an interface.
+    """Translate a problem for an engine.
 
-    The problem is translated into the interface's form beforehand.
+    Returns the function that solves the problem. `interface` is `own` or `cvxpy`. An engine that
+    takes no cones raises a ProblemError for a problem with cones.
     """
     table = ENGINES[engine]
     if problem.cones.size and not table.cones:

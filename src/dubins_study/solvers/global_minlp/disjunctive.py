@@ -208,6 +208,7 @@ class Disjunctive(EngineSolver):
         return Run("all words", seconds, result, point, bound=proven.bound)
 
     def _answer(self, model: PosedDisjunction, run: Run[Point | None], feastol: float) -> Solution:
+        """The solution of a run with the tolerance `feastol`."""
         scenario = model.question.scenario
         # Node bounds come from linear programs solved to the tolerance, not exactly.
         bound = max(0.0, run.bound - feastol * (1 + abs(run.bound)))
@@ -245,7 +246,10 @@ class Disjunctive(EngineSolver):
     def _claim(self, stopped: bool, feastol: float, bound: float, met: Met) -> tuple[Claim, str]:
         """The claim for a polished path, and its reason.
 
-        The engine's own claim holds for its own point only.
+        The engine's own claim holds for the engine's own point only. A path that misses is
+        `feasible` if it misses by `_SLACK` tolerances at most, else `failed`. A path that arrives
+        is `optimal` if its length is within the gap of the bound. Otherwise its claim is `limit`
+        for a run that was `stopped`, else `feasible`.
         """
         if not met.meets:
             message = f"meets the points only to {met.miss:.1e} radii"
@@ -286,6 +290,7 @@ def _point(model: PosedDisjunction, x: FloatArray) -> Point:
     words: list[str] = []
     for leg in pyomo.one_word:
         leg_words = [word for word_leg, word in pyomo.word if word_leg == leg]
+        # 1 for the word that is chosen, and 0 for the others, up to the tolerance
         chosen = [value(pyomo.word[leg, word].binary_indicator_var) for word in leg_words]
         words.append(leg_words[int(np.argmax(chosen))])
     lengths = []
@@ -300,6 +305,7 @@ def _point(model: PosedDisjunction, x: FloatArray) -> Point:
     for leg, leg_steps in enumerate(pyomo.steps):
         ends = list(leg_steps)
         if len(ends) > 1:
+            # the step that is chosen comes last
             ends.sort(key=lambda pair: value(pyomo.step[leg, pair].binary_indicator_var))
         steps.append(leg_steps[ends[-1]])
     return Point(words, lengths, np.array(steps))
@@ -308,12 +314,13 @@ def _point(model: PosedDisjunction, x: FloatArray) -> Point:
 def _met(model: PosedDisjunction, point: Point) -> tuple[str, Met]:
     """The words and the polished path of a point.
 
-    The engine's point is moved until it meets the points of the course.
+    The engine's point is moved until it meets the points of the course. Returns two values: the
+    words as text, such as `LSR RS`, and the path.
     """
     scenario = model.question.scenario
     course = replace(model.course, steps=point.steps)
     if course.target is not None:
-        z = np.zeros(3)
+        z = np.zeros(3)  # the turn to the left, the turn to the right, the straight
         for letter, length in zip(point.words[0], point.pieces[0], strict=True):
             z["LRS".index(letter)] = length
         word, polished = meet_target(scenario, course.target, model.words, point.words[0], z)
@@ -321,6 +328,7 @@ def _met(model: PosedDisjunction, point: Point) -> tuple[str, Met]:
         return word, Met(
             path, length=float(polished.z.sum()), miss=polished.miss, meets=polished.meets
         )
+    # three pieces a leg: a word of two letters gets a straight of no length
     turns = [[TURN[letter] for letter in word.ljust(3, "S")] for word in point.words]
     length = np.concatenate([np.resize([*each, 0.0], 3) for each in point.pieces])
     engine_elements = Elements(np.ravel(turns) * length, length)

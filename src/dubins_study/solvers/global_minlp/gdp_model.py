@@ -24,24 +24,27 @@ _OF_LEGS = POSE_BRANCHES[1:]  # words of a leg to a given heading; `WORDS` are t
 _THREE_ARCS = 4.0  # radii; points so far apart are joined by no shortest path of three arcs
 TRANSFORMATIONS = ("bigm", "hull")
 _QUARTER = TWO_PI / 4
-# binaries for the number of whole turns by which a heading is off, from _FEWEST_TURNS on
+# The number of whole turns by which a heading is off is _FEWEST_TURNS plus those of these digits
+# whose binaries are 1.
 _TURN_DIGITS = (1, 2, 4)
 _FEWEST_TURNS = -3
 
-# of each leg the steps (radii) that it may take, by the points at both ends; 0 is the start
+# For each leg the steps (radii) that it may take, by (the point where it begins, the point where it
+# ends); 0 is the start: [{(0, 1): step, (0, 2): step}, {(1, 2): step, (2, 1): step}].
 Steps = list[dict[tuple[int, int], FloatArray]]
 
 
 def steps_in_any_order(course: Course, with_target: bool) -> Steps:
     """Each leg's possible steps if the order is free.
 
-    They lead from any point where the leg may begin to any other where it may end. With a target
-    the last point is passed last.
+    A leg has a step from each point where it may begin to each other point where it may end. The
+    first leg begins at the start. With a target the last leg ends at the last point.
     """
     points = np.vstack((np.zeros(2), np.cumsum(course.steps, axis=0)))
     last = course.legs
     via = list(range(1, last + 1 - with_target))
-    passed = [[0], *[via] * len(via)]  # the points that may be passed, in their turn
+    # the points where the vehicle may be after 0, 1, 2, ... legs
+    passed = [[0], *[via] * len(via)]
     if with_target:
         passed.append([last])
     steps: Steps = []
@@ -59,12 +62,18 @@ def gdp_model(
 ) -> Any:
     """A course's shortest path in Pyomo.GDP, not transformed.
 
-    Exactly one word holds for each leg. `words` are those of a last leg to a free final heading. z
-    are the angles `alpha`, `gamma`, `beta` and `mu` of a leg; c and s are their cosines and sines.
-    An angle is q past the beginning of its quadrant. w is the rest of a leg's length beside `alpha`
-    and `gamma`. Without `quadrants` sines and cosines are of the angles themselves. `steps` are the
-    steps that legs may take, if they are not those of the course. Exactly one step holds for each
-    leg.
+    Exactly one word holds for each leg. `words` are those of a last leg to a free final heading.
+    `steps` are the steps that legs may take, if they are not those of the course. Exactly one step
+    holds for each leg.
+
+    The model's variables of a leg:
+
+    - z: the angles `alpha` and `gamma`, by which the leg turns before and after the direction `mu`;
+      `mu` itself; and `beta`, half of a middle arc.
+    - c and s: the cosines and sines of these angles.
+    - q: how far an angle is past the beginning of its quadrant. Without `quadrants` there is no q,
+      and the cosines and sines are of the angles themselves.
+    - w: the rest of the leg's length beside `alpha` and `gamma`.
     """
     from pyomo.environ import Binary, ConcreteModel, Constraint, Objective, Var, cos, sin
     from pyomo.gdp import Disjunct, Disjunction
@@ -73,6 +82,7 @@ def gdp_model(
     steps = steps or [{(leg, leg + 1): step} for leg, step in enumerate(course.steps)]
     away = [[math.hypot(*step) for step in leg_steps.values()] for leg_steps in steps]
     free = [course.last is None and leg == n - 1 for leg in range(n)]
+    # each leg's words; three arcs only where its points may be near
     of_leg: list[Sequence[str]] = []
     farthest = []  # the longest that `w` may be
     for distances, is_free in zip(away, free, strict=True):
@@ -128,10 +138,12 @@ def gdp_model(
 
 
 def _add_steps(m: Any, steps: Steps, away: list[list[float]]) -> None:
-    """Add the choice of each leg's step.
+    """Add the choice of each leg's step to m.
 
-    The choice needs variables, constraints and disjuncts. A leg sees its step `along` and `across`
-    its direction. It begins where the one before ends, and is no shorter than its step.
+    The variables `along` and `across` are the step's parts (radii) along the leg's direction and to
+    its left. The disjuncts `step` set them for one pair of points each. Three constraints follow:
+    `goes_on`, a leg begins where the one before it ends; `once`, each point that the first leg may
+    reach is passed once; `straight`, no leg is shorter than its step.
     """
     from pyomo.environ import Constraint, Var
     from pyomo.gdp import Disjunct, Disjunction
@@ -180,9 +192,9 @@ def _add_steps(m: Any, steps: Steps, away: list[list[float]]) -> None:
 
 
 def _add_quadrants(m: Any, ranges: dict[tuple[int, str], tuple[float, float]]) -> None:
-    """Tie the angles to their sines and cosines.
+    """Tie the angles of m to their sines and cosines.
 
-    This adds variables, constraints and one disjunct for each quadrant.
+    This adds to m variables, constraints and one disjunct for each quadrant of an angle.
     """
     from pyomo.environ import Constraint, Var, cos, sin
     from pyomo.gdp import Disjunct, Disjunction
@@ -204,9 +216,9 @@ def _add_quadrants(m: Any, ranges: dict[tuple[int, str], tuple[float, float]]) -
 
 
 def _quadrant(disjunct: Any, leg: int, name: str, k: int) -> None:
-    """Constraints of an angle in quadrant k.
+    """Add the constraints of quadrant k to a disjunct.
 
-    Turning by pi / 2 takes (cos, sin) to (-sin, cos).
+    The disjunct is that of one angle of one leg. Turning by pi / 2 takes (cos, sin) to (-sin, cos).
     """
     from pyomo.environ import Constraint
 
@@ -222,9 +234,10 @@ def _quadrant(disjunct: Any, leg: int, name: str, k: int) -> None:
 
 
 def _word(disjunct: Any, leg: int, word: str, steps: dict[tuple[int, int], FloatArray]) -> None:
-    """Constraints of one word of a leg.
+    """Add the constraints of a leg's word to a disjunct.
 
-    The leg goes over its only step, or over the one of several that `_add_steps` chooses.
+    The leg goes over its only step, or over the one of several that `_add_steps` lets the engine
+    choose. The equations: docs/formulations/disjunction.md.
     """
     from pyomo.environ import Constraint
 
@@ -292,7 +305,7 @@ def _whole_turns(m: Any, point: int) -> Any:
 
 
 def pieces(word: str, alpha: float, gamma: float, w: float, beta: float) -> FloatArray:
-    """The lengths of a word's two or three pieces."""
+    """The lengths of a word's pieces, shape (2,) or (3,)."""
     if len(word) == 2:
         last = gamma
         if word[1] == "S":
@@ -306,7 +319,7 @@ def pieces(word: str, alpha: float, gamma: float, w: float, beta: float) -> Floa
 def transformed(model: Any, transformation: str = "bigm") -> Any:
     """Transform the model into a mixed-integer nonlinear program.
 
-    The model itself is changed.
+    The model is changed in place and returned.
     """
     from pyomo.environ import TransformationFactory
 
@@ -362,10 +375,7 @@ def translated(model: Any) -> Translated:
 
 
 def _limits(lower: float | None, upper: float | None) -> tuple[float, float]:
-    """Pyomo's bounds as numbers.
-
-    None is no bound, and becomes an infinite one.
-    """
+    """Pyomo's bounds as numbers; None becomes infinite."""
     if lower is None:
         lower = -math.inf
     if upper is None:
@@ -374,9 +384,10 @@ def _limits(lower: float | None, upper: float | None) -> tuple[float, float]:
 
 
 def rebuilt(node: Any, variable: Callable[[Any], Any], functions: Functions) -> Any:
-    """A Pyomo expression, rebuilt with other variables.
+    """A Pyomo expression, rebuilt in another interface.
 
-    `variable` gives the counterpart of a variable, and `functions` has `sin`, `cos` and others.
+    `variable` takes one of Pyomo's variables and returns its counterpart. `functions` has the
+    interface's `sin`, `cos` and others.
     """
     if isinstance(node, (int, float)):
         return node

@@ -123,6 +123,7 @@ class GlobalNlp(EngineSolver):
     def solve(self, model: PosedPrograms, limit: float) -> Solution:
         deadline = perf_counter() + limit
         question, target, cases = model.leg
+        # whether the programs hold every word of the question: one order alone lacks a word
         covers = self.model == "words" or self.order == "both" or question.branch != "best"
         if there := at_start(question.scenario, target):
             if covers:
@@ -141,7 +142,7 @@ class GlobalNlp(EngineSolver):
             length = math.inf
             if proven.x is not None:
                 free = list(case.subproblem.free)
-                z[free] = proven.x[: len(free)]
+                z[free] = proven.x[: len(free)]  # a final heading may follow
                 length = float(z.sum())
             seconds = perf_counter() - began
             result = proven.counted(iterations=proven.nodes)
@@ -216,7 +217,12 @@ def _with_heading() -> Expressions:
 
 
 def _claim(runs: list[Run[FloatArray]], covers: bool) -> Claim:
-    """The engine's claim of all programs together."""
+    """The claim for all programs together.
+
+    `infeasible` if no program has a point; `optimal` if each is solved or has no point; `limit` if
+    a limit ended a run. If the programs do not cover the question, the first two become `failed`
+    and `local`. Otherwise the claim is `feasible` with a point, `failed` without one.
+    """
     claims = {run.claim for run in runs}
     if claims == {Claim.INFEASIBLE}:
         if covers:
@@ -236,8 +242,8 @@ def _claim(runs: list[Run[FloatArray]], covers: bool) -> Claim:
 def _path(leg: PosedLeg, case: Case, z: FloatArray, polish: bool) -> Path:
     """The path of a point z, shape (3,).
 
-    The order of the turns is that of the case. With `polish` the point is first moved to meet the
-    target, where that is possible.
+    z has the case's first turn, its second turn and its straight. With `polish` the point is first
+    moved to meet the target, where that is possible.
     """
     scenario = leg.question.scenario
     if polish:
@@ -254,7 +260,8 @@ def _path(leg: PosedLeg, case: Case, z: FloatArray, polish: bool) -> Path:
 def _words(name: str, z: FloatArray) -> tuple[str, ...]:
     """The words that a point's lengths may stand for.
 
-    The first one is the word whose missing length is least.
+    A word of a joint program leaves out one of the lengths z; the words are sorted by that length.
+    For `LRS` with z1 < z3 < z2 they are RS, LR and LS.
     """
     if len(name) == 2:
         return (name,)

@@ -104,6 +104,7 @@ class Shooting(Solver):
         points = initial_guesses(question, case, self.initial_guess, seed=seed, count=self.count)
         for z in points:
             heading = structure.pieces(*z[free])[1].heading
+            # costates of a path that ends straight with this heading
             nu = 1.0, -math.cos(heading), -math.sin(heading)
             yield np.concatenate((z, structure.consistent(nu)))
 
@@ -125,6 +126,7 @@ class Shooting(Solver):
             return no_point(3, Claim.LIMIT, self.root, "out of time")
         # a miss of `tol`, or a miss that the rounding of a far target leaves
         missed = max(self.tol, ROUNDED * structure.scale)
+        # the first candidate without a fault, or else the last one
         for candidate in candidates(structure, result.x, self.tol):
             fault = candidate.fault(missed, prescribed)
             if fault is None:
@@ -152,6 +154,7 @@ class Shooting(Solver):
                 raise _OutOfTimeError
             return structure.residual(v)
 
+        # the least step and the limit of evaluations; the other sets leave both to MINPACK
         step = 0.0
         most = 0
         if self.options == "equal":

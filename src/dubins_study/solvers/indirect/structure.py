@@ -34,9 +34,9 @@ UNKNOWNS = 6  # nu0, nu1, nu2, nu3(0), then the durations of the two pieces
 
 
 class Piece(NamedTuple):
-    """The end of a piece of constant control.
+    """The state at a piece's end, and its derivatives.
 
-    It has x, y and the heading, and the derivatives of (x, y) by each duration.
+    `by_first` and `by_second` are the derivatives of (x, y) by the durations of both pieces.
     """
 
     x: float
@@ -94,7 +94,7 @@ class Structure:
         return np.array((nu0, nu1, nu2, -self.turns[0] * (nu0 + nu1)))
 
     def pieces(self, first: float, second: float) -> tuple[Piece, Piece]:
-        """The states after both pieces.
+        """The states after the first and the second piece.
 
         Durations are in radii, of any sign.
         """
@@ -170,9 +170,11 @@ class Structure:
     def costates(self, durations: FloatArray) -> FloatArray:
         """The costates (4,) of given durations (2,).
 
-        They solve the conditions that are linear in them. Their sign makes nu0 >= 0.
+        The costates solve the three conditions of `residual` that are linear in costates. Their
+        sign makes nu0 >= 0.
         """
         linear = self.jacobian(self.unknowns(np.zeros(4), durations))[2:5, :4]
+        # the direction that all three conditions map to zero
         nu: FloatArray = np.linalg.svd(linear)[2][-1]
         nu /= max(math.hypot(*nu[:3]), _NO_COSTATES)
         if abs(nu[0]) > _ABNORMAL:
@@ -189,8 +191,9 @@ class Structure:
         """The violation of the minimum condition (2.13).
 
         It is zero if the condition holds on the arcs. Otherwise it is the largest u nu3, which must
-        not exceed zero (2.14). By (2.15) u nu3 equals -(nu0 + rho cos(theta - phi)). This is
-        largest at the ends of an arc or at theta = phi + pi.
+        not exceed zero (2.14). By (2.15) u nu3 equals -(nu0 + rho cos(theta - phi)). Here theta is
+        the heading, and (nu1, nu2) has length rho and direction phi. This is largest at the ends of
+        an arc or at theta = phi + pi.
         """
         nu0, nu1, nu2, _ = costates.tolist()
         away = math.atan2(-nu2, -nu1)  # phi + pi
@@ -211,7 +214,9 @@ class Structure:
 class Candidate:
     """Durations (2,) that may be an extremal's.
 
-    They are in radii, none negative.
+    The durations are in radii, none negative. The attributes `miss` (radii), `costates` (4,) and
+    `wrong`, the violation of (2.14), are computed from them; `against` says that (2.14) is violated
+    by more than `tol`. Costates are NaN if the end point is not finite.
     """
 
     def __init__(self, structure: Structure, durations: FloatArray, tol: float) -> None:
@@ -265,9 +270,9 @@ class Candidate:
 def candidates(structure: Structure, v: FloatArray, tol: float) -> Iterator[Candidate]:
     """The candidates that a solution v may stand for.
 
-    v has shape (6,) and solves `Structure.residual`. Full turns are removed from arcs. A piece of
-    no length may come out as a negative one or nearly a full turn, so the path without either piece
-    goes first.
+    v has shape (6,) and solves `Structure.residual`. Yields three candidates: without the first
+    piece, without the second, and with both. A piece of no length may come out as a negative one or
+    nearly a full turn; so the candidates without it come first. Full turns are removed from arcs.
     """
     durations = v[4:] * (1.0, structure.unit)
     for driven in (
@@ -279,6 +284,7 @@ def candidates(structure: Structure, v: FloatArray, tol: float) -> Iterator[Cand
 
 
 def _forwards(structure: Structure, durations: FloatArray) -> FloatArray:
+    """The durations without full turns and negative straights."""
     first, second = durations.tolist()
     last = second % TWO_PI
     if structure.singular:

@@ -73,7 +73,7 @@ def _result(solver: Any, status: str) -> ProvenResult:
     bound = float(solver.get_final_LBD())
     if claim is Claim.INFEASIBLE:
         bound = math.inf
-    elif bound <= -1e300:
+    elif bound <= -1e300:  # MAiNGO's number for no bound
         bound = -math.inf
     return ProvenResult(
         point,
@@ -88,9 +88,9 @@ def _result(solver: Any, status: str) -> ProvenResult:
 
 @cache
 def _model_class() -> type[Any]:
-    """A class of MAiNGO's own kind of model.
+    """The class whose objects hand a program to MAiNGO.
 
-    It is made when the package is first needed.
+    The class extends one of the package's, so it is made when the package is first needed.
     """
     import maingopy
 
@@ -111,6 +111,7 @@ def _model_class() -> type[Any]:
             result = maingopy.EvaluationContainer()
             result.objective = written.objective
             rows = written.rows
+            # MAiNGO reads eq = 0 and ineq <= 0
             result.eq = [body - lower for body, lower, upper in rows if lower == upper]
             result.ineq = [
                 *(body - upper for body, lower, upper in rows if lower < upper < math.inf),

@@ -21,7 +21,8 @@ from dubins_study.study.words import Claim
 class Functions:
     """An engine's functions under the names of `math`.
 
-    A function of a number is computed at once, by `math`.
+    `Functions(pyscipopt).sin(x)` is `pyscipopt.sin(x)` for an expression x, and `math.sin(x)` for a
+    number x.
     """
 
     def __init__(self, interface: Any) -> None:

@@ -52,8 +52,8 @@ _LEAN = dict.fromkeys(
 def scip(settings: Settings) -> MinlpCall:
     """A call of SCIP with the given settings.
 
-    They become numerics/feastol and limits/gap; `lean` leaves bare branch and bound. An error of
-    SCIP's own is a result. Ctrl-C, which SCIP catches, is raised again.
+    The settings become numerics/feastol and limits/gap; `lean` leaves bare branch and bound. An
+    error of SCIP's own is a result. Ctrl-C, which SCIP catches, is raised again.
     """
 
     def run(program: MixedProgram, seconds: float) -> ProvenResult:
@@ -99,6 +99,7 @@ def scip(settings: Settings) -> MinlpCall:
 
 
 def _result(model: Any, x: list[Any]) -> ProvenResult:
+    """The result of a model that SCIP has optimised."""
     status = str(model.getStatus())
     if status == "userinterrupt":
         raise KeyboardInterrupt
@@ -111,6 +112,7 @@ def _result(model: Any, x: list[Any]) -> ProvenResult:
     claim = claim_of("scip", status, unnamed)
     bound = float(model.getDualbound())
     if abs(bound) >= model.infinity():
+        # SCIP's infinity is a finite number
         bound = math.copysign(math.inf, bound)
     return ProvenResult(
         point,

@@ -38,7 +38,7 @@ _STUB = "model"
 
 
 def ampl_nlp(options: OptionValues, executable: str, names: Keywords) -> NlpCall:
-    """An executable as a local engine."""
+    """A call of an executable as a local engine."""
 
     def solve(program: Program, guess: FloatArray, seconds: float) -> EngineResult:
         run = _Run(executable, options, names, perf_counter() + seconds)
@@ -48,9 +48,9 @@ def ampl_nlp(options: OptionValues, executable: str, names: Keywords) -> NlpCall
 
 
 def ampl_minlp(settings: Settings, executable: str, names: Keywords) -> MinlpCall:
-    """An executable as an engine of mixed-integer programs.
+    """A call of an executable on mixed-integer programs.
 
-    It reports no bound.
+    The result has no bound, since a .sol file has none.
     """
     options: OptionValues = dict.fromkeys(names.options.feasibility, settings.feastol)
     if names.gap:
@@ -90,9 +90,10 @@ class _Run(NamedTuple):
 def _ended(program: MixedProgram, guess: FloatArray | None, run: _Run) -> EngineResult:
     """Run the executable on a program.
 
-    The command is `executable model -AMPL name=value ...`. It reads model.nl and writes model.sol,
-    in a folder of its own, with nothing on its input. At the limit it is ended together with every
-    process that it started. Nothing but the .sol file is read.
+    The command is `executable model -AMPL name=value ...`. The executable reads model.nl and writes
+    model.sol, in a folder of its own, with nothing on its input. At the limit it is ended together
+    with every process that it started. Nothing but the .sol file is read. Without such a file the
+    result has no point, and its message says why.
     """
     model = pyomo_model(program, guess)
     with tempfile.TemporaryDirectory() as name:
@@ -147,9 +148,9 @@ def _read(model: Any, written: NlFile, text: str, executable: str) -> EngineResu
 
 
 def _exit_code(run: _Run, folder: FilePath) -> int | None:
-    """The exit code of an executable.
+    """Run the executable; return its exit code.
 
-    None if it did not end in time.
+    None if the executable did not end in time.
     """
     path = shutil.which(run.executable)
     assert path is not None  # or the solver is unavailable

@@ -49,6 +49,7 @@ def apopt(options: OptionValues) -> NlpCall:
             status = "time limit"
             claim = claim_of("apopt", status)
             return EngineResult(x, claim, status=status, message="stopped")
+        # the status is the first listed one that was printed, or else the end of the output
         statuses = chain.from_iterable(STATUSES["apopt"].values())
         printed = (line for line in statuses if line in log)
         status = next(printed, log.strip()[-200:] or "no words")
@@ -73,9 +74,9 @@ def unavailable() -> str | None:
 
 
 def _program() -> FilePath:
-    """The program for this machine.
+    """The path of APMonitor's program for this machine.
 
-    It is chosen as gekko does.
+    Gekko chooses among its programs in the same way.
     """
     spec = importlib.util.find_spec("gekko")
     assert spec is not None
@@ -149,18 +150,19 @@ def _lift_data_limit() -> None:
 
 
 def _point(file: FilePath, n: int) -> FloatArray:
-    """The variables that the program leaves, shape (n,).
+    """The variables in a file of results, shape (n,).
 
-    They are NaN if it leaves none.
+    All are NaN if there is no file.
     """
     if not file.is_file():
         return np.full(n, math.nan)
+    # each variable has a list of values, of which the last one is the result
     values = json.loads(file.read_text())
     return np.array([values[f"x[{i}]"][-1] for i in range(1, n + 1)], dtype=float)
 
 
 def _iterations(log: str) -> int | None:
-    """The last iteration number in the log's table."""
+    """The last iteration number in the log, or None."""
     table = log.partition("Convergence")[2].splitlines()
     rows = [words for words in map(str.split, table) if len(words) == 3 and words[0].isdigit()]
     if not rows:

@@ -24,8 +24,8 @@ class _Plugin(NamedTuple):
     """The behaviour of a plug-in of `nlpsol`."""
 
     watched: bool = False  # calls casadi's `iteration_callback`, and so can be stopped
-    raises: bool = False  # where it fails
-    by_arrays: bool = False  # called by `_by_arrays`, which knows no exceptions
+    raises: bool = False  # a failure is a RuntimeError
+    by_arrays: bool = False  # called by `_by_arrays`, which handles no exceptions
     remembers: bool = False  # an answer depends on what the same object solved before
 
 
@@ -53,8 +53,8 @@ _PLAIN = {"print_time": False, "expand": True, "show_eval_warnings": False, "cal
 def _watch(variables: int, rows: int) -> Any:
     """A callback that casadi runs after every iteration.
 
-    It costs some 0.01 ms a call. It stops a run at the time `at`, which is set before. Ipopt's own
-    time limits are fixed once the solver is compiled.
+    The callback stops a run at its time `at`, which the caller sets before each run. A call costs
+    some 0.01 ms. Ipopt's own time limits are fixed once the solver is compiled.
     """
     import casadi
 
@@ -85,7 +85,7 @@ def _watch(variables: int, rows: int) -> Any:
             return True
 
         def eval_buffer(self, _: Any, results: Any) -> int:
-            """Write whether to stop.
+            """Write 1 into `results[0]` to stop, else 0.
 
             `eval` would convert every argument to a matrix first.
             """
@@ -99,10 +99,11 @@ def _watch(variables: int, rows: int) -> Any:
 def _compiled(
     expressions: Expressions, plugin: str, chosen: tuple[tuple[str, Any], ...], watched: bool
 ) -> tuple[Callable[[], Any], Any]:
-    """A function that gives the solver, and its watch.
+    """A function that returns a solver, and its watch.
 
-    casadi does not keep the watch. The solver takes x0, p, lbx, ubx, lbg and ubg. It returns the
-    point, the duals of g and casadi's statistics.
+    The solver is a `_Call`. If the plug-in remembers earlier runs, each call of the function makes
+    a new solver. The watch is None unless `watched`. The caller must hold the watch during a run,
+    since casadi does not.
     """
     import casadi
 
@@ -132,12 +133,12 @@ def _compiled(
     return lambda: _plain(again()), watch
 
 
-# from x0, p, lbx, ubx, lbg, ubg to the point, the duals of g, and casadi's statistics
+# takes x0, p, lbx, ubx, lbg and ubg; returns the point, the duals of g and casadi's statistics
 _Call = Callable[..., tuple[FloatArray, FloatArray, dict[str, Any]]]
 
 
 def _plain(solver: Any) -> _Call:
-    """Call a solver of `casadi.nlpsol` in the usual way."""
+    """A function that calls casadi's solver as usual."""
 
     def run(*values: Any) -> tuple[FloatArray, FloatArray, dict[str, Any]]:
         end = solver(**dict(zip(("x0", "p", "lbx", "ubx", "lbg", "ubg"), values, strict=True)))
@@ -147,9 +148,10 @@ def _plain(solver: Any) -> _Call:
 
 
 def _by_arrays(solver: Any) -> _Call:
-    """Call a solver of `casadi.nlpsol` on arrays in place.
+    """A function that calls casadi's solver on fixed arrays.
 
-    A usual call with arrays takes 0.2 ms to convert them, as long as Ipopt's iteration.
+    casadi reads its inputs from these arrays and writes its results into them. A usual call takes
+    0.2 ms to convert arrays, as long as an iteration of Ipopt.
     """
     buffer, evaluate = solver.buffer()
     inputs = [np.zeros(solver.numel_in(i)) for i in range(solver.n_in())]
@@ -160,10 +162,11 @@ def _by_arrays(solver: Any) -> _Call:
     for array, name in ((x, "x"), (duals, "lam_g")):
         buffer.set_res(solver.index_out(name), memoryview(array.data))
 
-    before: dict[str, Any] = {}  # calls are counted over all runs
+    before: dict[str, Any] = {}  # calls in all runs so far: casadi counts them over all runs
 
     def run(*values: Any) -> tuple[FloatArray, FloatArray, dict[str, Any]]:
-        for array, value in zip(inputs, values, strict=False):  # without a guess of the duals
+        # the last inputs, guesses of the duals, have no values and stay 0
+        for array, value in zip(inputs, values, strict=False):
             array[:] = value
         evaluate()
         stats = buffer.stats()
@@ -204,9 +207,9 @@ def nlpsol(options: OptionValues, plugin: str) -> NlpCall:
 
 
 def claim(plugin: str, stats: dict[str, Any]) -> Claim:
-    """The claim in the statistics of a run.
+    """The claim that a run's statistics make.
 
-    It is casadi's own where the plug-in's status is not listed.
+    If the plug-in's status is not listed, the claim is that of casadi's own status.
     """
     unnamed = claim_of("casadi", str(stats["unified_return_status"]))
     return claim_of(plugin, str(stats.get("return_status")), unnamed)

@@ -58,6 +58,7 @@ def algebra_text(program: Program) -> AlgebraText:
     intermediates: list[tuple[str, str]] = []
 
     def short(text: str) -> str:
+        # a long text becomes an intermediate, whose name then stands for it
         if len(text) <= _LONGEST:
             return text
         intermediates.append((f"i{len(intermediates) + 1}", text))
@@ -99,7 +100,7 @@ def mixed_program(program: Program) -> MixedProgram:
         functions = Functions(interface)
 
         def operation(name: str, *parts: Any) -> Any:
-            apply = _OPERATORS.get(name) or getattr(functions, name[3:].lower())
+            apply = _OPERATORS.get(name) or getattr(functions, name[3:].lower())  # OP_SIN: sin
             return apply(*parts)
 
         objective, equations = _evaluated(program, list(x), float, operation)
@@ -114,9 +115,11 @@ def _evaluated(
     constant: Callable[[float], Any],
     operation: Callable[..., Any],
 ) -> tuple[Any, list[Any]]:
-    """The objective and the sides of the equations.
+    """The objective and the equations in another language.
 
-    `operation` makes each operation, `constant` each number.
+    casadi's instructions are carried out on `variables`, terms of that language. `operation` takes
+    an instruction's name and operands, `constant` a number; both return a term. Returns two values:
+    the objective, and a list of the equations' sides that are to be 0.
     """
     import casadi
 
@@ -125,7 +128,7 @@ def _evaluated(
     function = casadi.Function("sides", [posed.x, posed.p], sides)
     names = _operation_names()
     inputs = variables, [constant(value) for value in program.p.tolist()]
-    work: list[Any] = [None] * function.sz_w()
+    work: list[Any] = [None] * function.sz_w()  # casadi's registers
     outputs: tuple[list[Any], list[Any]] = [None], [None] * function.numel_out(1)
     for k in range(function.n_instructions()):
         name = names[function.instruction_id(k)]

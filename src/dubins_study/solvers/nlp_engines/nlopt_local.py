@@ -35,9 +35,9 @@ _STATUSES = (
 def nlopt(options: OptionValues, algorithm: str, inner: str = "") -> NlpCall:
     """A call of an NLopt algorithm.
 
-    The algorithm `inner` solves its subproblems if it needs one. `constraint_tol` is the violation
-    that each equation may have. `maxeval` limits evaluations. The other options are tolerances by
-    which both algorithms stop.
+    An algorithm with subproblems solves them by the algorithm `inner`. The option `constraint_tol`
+    is the violation that each equation may have. `maxeval` limits evaluations. The other options
+    are tolerances by which both algorithms stop.
     """
 
     def run(program: Program, guess: FloatArray, seconds: float) -> EngineResult:
@@ -56,7 +56,7 @@ def nlopt(options: OptionValues, algorithm: str, inner: str = "") -> NlpCall:
         search.set_upper_bounds(program.upper)
         functions = program.functions
 
-        # derivatives go where NLopt wants them
+        # NLopt passes empty arrays if it wants no derivatives, else arrays to fill
         def objective(x: FloatArray, gradient: FloatArray) -> float:
             if gradient.size:
                 gradient[:] = functions.gradient(x)

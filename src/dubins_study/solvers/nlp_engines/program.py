@@ -50,7 +50,11 @@ class Expressions:
 
     @cached_property
     def _compiled(self) -> _Compiled:
-        """The functions and the derivatives' places in casadi."""
+        """The compiled functions of casadi.
+
+        The functions of derivatives return only the entries that may differ from zero. Beside them
+        stand the rows and columns of these entries.
+        """
         import casadi
 
         x = self.x
@@ -182,9 +186,10 @@ class Program:
         return self.written or self.expressions.functions(self.p)
 
     def attainable(self, options: Mapping[str, Any], *names: str) -> OptionValues:
-        """The options with tolerances that rounding allows.
+        """A copy of options, with tolerances that rounding allows.
 
-        No named tolerance on the equations is less than the rounding of the equations.
+        `names` are options on the equations' violation. Values below the rounding of the equations
+        are raised to it.
         """
         least = 64 * EPS * self.magnitude
         return {**options, **{key: max(options[key], least) for key in names if key in options}}
@@ -194,10 +199,11 @@ _QUICK_ITERATIONS = 3000  # Ipopt's default; on ten variables they take a third 
 
 
 def needs_watch(max_iter: int | None, n: int) -> bool:
-    """Whether a run on n variables needs a watch.
+    """Whether a run on n variables looks at the time.
 
-    A run that may take half a second looks at the time. In a quicker one these looks would cost a
-    tenth of it, or more than the iterations do.
+    A run that may take half a second does: one with many variables, or with a high limit of
+    iterations. In a quicker run these looks would cost a tenth of the time, or more than the
+    iterations do.
     """
     return n > 10 or (max_iter or 0) > _QUICK_ITERATIONS
 

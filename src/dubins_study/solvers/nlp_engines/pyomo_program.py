@@ -39,7 +39,8 @@ def asked(model: PyomoProgram, engine: NlpCall, native: bool) -> Ask:
     """A function that solves a Pyomo model many times.
 
     A `native` engine gets the file as it is. For the others each inequality becomes an equation
-    with a slack variable.
+    with a slack variable. Points are in the order of `model.unknowns`, duals in that of
+    `model.rows`.
     """
     import casadi as ca
     from pyomo.repn.plugins.nl_writer import NLWriter
@@ -55,6 +56,7 @@ def asked(model: PyomoProgram, engine: NlpCall, native: bool) -> Ask:
     places = {id(variable): place for place, variable in enumerate(variables)}
     of_row = {id(row): place for place, row in enumerate(info.constraints)}
     rows = [of_row[id(row)] for row in model.rows]
+    # for each variable of the file, its place in the caller's order
     to_file = np.array([places[id(variable)] for variable in info.variables])
     n = len(model.unknowns)
     lowest = np.array(file.g_lb)
@@ -87,6 +89,7 @@ def asked(model: PyomoProgram, engine: NlpCall, native: bool) -> Ask:
         low = lower[order]
         high = upper[order]
         if not native:
+            # slacks begin at the values of their rows, within the rows' ends
             begin = np.clip(begin, low, high)
             slacks = np.asarray(inequality_values(begin, data)).ravel()
             begin = np.append(begin, np.clip(slacks, lowest[inequalities], highest[inequalities]))

@@ -130,13 +130,17 @@ def trust_constr(options: OptionValues) -> NlpCall:
 
 
 def _sparse(program: Program) -> Functions:
-    """The program's functions with sparse derivatives."""
+    """The program's functions with sparse derivatives.
+
+    The Jacobian and the Hessian are `csr_array`s.
+    """
     from scipy.sparse import csr_array
 
     functions = program.functions
     entries = functions.entries
     n = program.lower.size
     m = functions.equations(program.lower).size
+    # SciPy wants the whole Hessian: the entries below the diagonal stand above it too
     rows, columns = entries.hessian_at
     below = rows != columns
     both_triangles = np.hstack((entries.hessian_at, entries.hessian_at[::-1, below]))
@@ -154,9 +158,9 @@ def _sparse(program: Program) -> Functions:
 def _minimized(
     method: str, program: Program, guess: FloatArray, seconds: float | None, **arguments: Any
 ) -> Any:
-    """SciPy's result.
+    """Run `scipy.optimize.minimize`; return its result.
 
-    If seconds are given, the callback stops the run after them.
+    With `seconds` a callback stops the run after this time. `given` are further arguments.
     """
     from scipy.optimize import Bounds, minimize
 

@@ -60,6 +60,7 @@ def _model(program: Program, guess: FloatArray) -> Any:
     n = guess.size
     m = functions.equations(guess).size
 
+    # Uno passes to each function the array to fill
     def filling(function: Callable[[FloatArray], FloatArray]) -> Callable[[Any, Any], None]:
         def fill(x: Any, values: Any) -> None:
             values[:] = function(np.asarray(x))

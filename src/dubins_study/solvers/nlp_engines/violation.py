@@ -25,9 +25,9 @@ _MOST = 400  # variables up to which the Euclidean length is tried too
 
 
 def measured(call: NlpCall) -> NlpCall:
-    """The engine's call with a slope in its result.
+    """The engine's call, with `slope` in each result.
 
-    The result can compute the slope of the violation at its point.
+    The field `slope` is a function that computes the violation's slope at the result's point.
     """
 
     def run(program: Program, guess: FloatArray, seconds: float) -> EngineResult:
@@ -62,6 +62,7 @@ def violation_slope(program: Program, x: FloatArray) -> float | None:
         return None
     slopes = csr_array(coo_array((entries, (rows, columns)), shape=(g.size, x.size)))
     box = np.maximum(program.lower - x, -_STEP), np.minimum(program.upper - x, _STEP)
+    # the shares of the violation that no step removes; NaN where a program was not solved
     shares = [_least_sum(slopes, high - g, g - low, box) / abs(violation).sum()]
     if x.size <= _MOST and program.bounds is None:
         shares.append(_least_length(slopes, violation, box) / float(np.linalg.norm(violation)))
@@ -71,9 +72,10 @@ def violation_slope(program: Program, x: FloatArray) -> float | None:
 def _least_sum(
     slopes: csr_array, above: FloatArray, below: FloatArray, box: tuple[FloatArray, FloatArray]
 ) -> float:
-    """min sum t over steps d in a box.
+    """The least sum of violations over a box.
 
-    The rows are -t - below <= J d <= t + above. NaN if the program is not solved.
+    The linear program is min sum t over steps d in the box, with -t - below <= J d <= t + above.
+    NaN if it is not solved.
     """
     from scipy.optimize import linprog
     from scipy.sparse import csr_array, eye_array, hstack, vstack
@@ -93,7 +95,7 @@ def _least_sum(
 
 
 def _least_length(slopes: csr_array, off: FloatArray, box: tuple[FloatArray, FloatArray]) -> float:
-    """Least length of off + J d.
+    """The least Euclidean length of off + J d.
 
     The steps d are in a box.
     """

@@ -32,8 +32,9 @@ _LONGEST_SECOND = 6.0
 _LEAST_SECOND = 3 * math.pi / 2
 
 # If the branch is LR or RL itself, either solution may be the shorter: the second arc may be below
-# pi or above. These turn the first arc by so much past the target's direction from the first
-# circle's centre; (0, 0.1) is for targets near the circle, where the short second arc vanishes.
+# pi or above. The first number of a pair is how far the first arc turns past the target's direction
+# from the first circle's centre, the second number is the second arc (rad). (0, 0.1) is for targets
+# near the circle, where the short second arc vanishes.
 _EITHER_SECOND_ARC = (
     (-math.pi / 6, math.pi / 2),
     (math.pi / 6, math.pi / 2),
@@ -107,9 +108,11 @@ def initial_guesses(
 def _words_of(subproblem: Subproblem, both: bool) -> list[str]:
     """The words that a subproblem holds.
 
-    With `both` orders, only those that begin as the subproblem does.
+    `LRS` holds LS, RS and LR. With `both` orders a subproblem leaves out the words that begin as
+    the other order does: `LRS` then has LS and LR.
     """
     name = subproblem.name
+    # a word's two letters stand in this order in the subproblem's name
     words = [word for word in WORDS if -1 < name.find(word[0]) < name.find(word[1])]
     if not both:
         return words
@@ -133,7 +136,9 @@ def suffices(question: Question, subproblem: Subproblem, kind: str, z: FloatArra
 def bearing_guesses(case: Case, prescribed: bool) -> Iterator[tuple[float, float, float]]:
     """The guesses `bearing` of a case.
 
-    `prescribed` says that the branch asks for the case's word.
+    Yields points z: the case's first turn, its second turn and its straight. Lengths that the case
+    fixes at zero are not zero here; the caller masks them. `prescribed` says that the branch asks
+    for the case's word.
     """
     X, Y, _ = case.target
     free = case.subproblem.free
@@ -152,6 +157,7 @@ def bearing_guesses(case: Case, prescribed: bool) -> Iterator[tuple[float, float
         yield _toward(case.target)
         return
     bearing = math.atan2(Y, X)
+    # one turn: the case's first (to the left) or its second (to the right)
     if free[0] != 0:
         bearing = -bearing
     facing = bearing % TWO_PI
@@ -166,7 +172,8 @@ def bearing_guesses(case: Case, prescribed: bool) -> Iterator[tuple[float, float
 def _toward(target: Local) -> tuple[float, float, float]:
     """The shorter turn towards the target, then straight.
 
-    The straight is as long as the target is away.
+    The straight is as long as the target is away. Returns z: the first turn, the second turn, the
+    straight.
     """
     bearing = math.atan2(target.Y, target.X)
     return max(bearing, 0.0), max(-bearing, 0.0), max(math.hypot(target.X, target.Y), _SHORTEST)
@@ -175,7 +182,7 @@ def _toward(target: Local) -> tuple[float, float, float]:
 def _first(case: Case, word: str, prescribed: bool) -> FloatArray:
     """The first guess of a case's word.
 
-    Shape (3,), in the case's order of turns.
+    Shape (3,), in the case's order of turns. The word's own case may have the other order.
     """
     mirrored = case.subproblem.mirrored
     target = case.target

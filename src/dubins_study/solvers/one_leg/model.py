@@ -64,7 +64,8 @@ ORDERS = {"LRS": ("LRS",), "RLS": ("RLS",), "both": ("LRS", "RLS")}
 def formulation(model: str, order: str) -> str:
     """The formulation's name in rows.
 
-    It follows from a choice of `MODELS` and `ORDERS`.
+    `model` is one of `MODELS`, `order` one of `ORDERS`: "joint" and "both" give the name
+    "joint NLP, both orders".
     """
     if model != "joint":
         return "one NLP a word"
@@ -76,7 +77,7 @@ def formulation(model: str, order: str) -> str:
 class Case(NamedTuple):
     """A subproblem and its target.
 
-    The target is in the subproblem's order of turns, in radii. `unit` is the length of a radius in
+    The target is in radii, and mirrored if the subproblem is. `unit` is the length of a radius in
     the unit in which the model is posed. With `capped`, no arc is longer than a full turn.
     """
 
@@ -121,7 +122,8 @@ class PosedLeg(NamedTuple):
 def posed_leg(question: Question, model: str, order: str, presolve: bool = False) -> PosedLeg:
     """The question with the cases to solve.
 
-    A word as branch is the only case. For `best` the cases follow from the settings.
+    A word as branch is the only case. For `best` there is a case for each of the model's orders, or
+    for each word. `presolve` leaves out words that cannot exist.
     """
     target = local(question.scenario)
     if model == "joint" and question.branch == "best":

@@ -46,9 +46,9 @@ class Polished(NamedTuple):
 def meet_target(
     scenario: Scenario, target: Local, words: tuple[str, ...], word: str, z: FloatArray
 ) -> tuple[str, Polished]:
-    """A solver's point made to meet the target.
+    """Move a solver's point until it meets the target.
 
-    Returns its word and the polished point.
+    Returns two values: the word of the moved point, and the moved point.
 
     Where one arc leads to the target, several words share it, all within the solver's tolerance.
     Not each of them can be made to meet the target: if the solver's `word` cannot, the others are
@@ -105,12 +105,11 @@ def one_sided_only(question: Question, target: Local, path: Path) -> str | None:
 
 
 def polish(case: Case, z: FloatArray) -> tuple[FloatArray, float]:
-    """The case's point near z that comes nearest.
+    """Move a case's point z as near to the target as possible.
 
-    Returns the point, whose end is nearest to the target, and its miss (radii). Each step is
-    Newton's step on the two equations, or the shortest least squares step. It is cut to the lengths
-    that the case allows and halved until it gains. z, shape (3,), is in the case's own order of
-    turns.
+    Returns two values: the moved point, and its miss (radii). Each step is Newton's step on the two
+    equations, or the shortest least squares step. The step is cut to the lengths that the case
+    allows and halved until it gains. z, shape (3,), is in the case's own order of turns.
     """
     X, Y, _ = case.target
     free = list(case.subproblem.free)
@@ -127,6 +126,6 @@ def polish(case: Case, z: FloatArray) -> tuple[FloatArray, float]:
                 current = trial
                 residual = trial_residual
                 break
-        else:
+        else:  # no part of the step gains
             break
     return current, float(np.hypot(*residual))

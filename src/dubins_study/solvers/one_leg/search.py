@@ -33,10 +33,11 @@ def searched(
     solve: Callable[[Case, FloatArray, float], EngineResult],
     limit: float,
 ) -> Solution:
-    """The answer of runs on each case.
+    """Solve each case; answer with the best run.
 
-    A case is solved from its guesses of a kind until a solution `suffices`. A point is z. `solve`
-    takes the seconds that are left.
+    `guesses` returns a case's points z. A case is solved from them in turn until a solution
+    `suffices` for guesses of this `kind`. `solve` takes a case, a point and the seconds that are
+    left.
     """
     until = perf_counter() + limit
 

@@ -74,7 +74,10 @@ class Shape(NamedTuple):
 def pyomo_model(shape: Shape) -> Any:
     """The transcription in Pyomo.
 
-    The points and the final heading are variables to be fixed.
+    The variables are the states `x`, `y` and `theta` at the collocation points, the `turn` (rad) of
+    each element, and durations (radii). There is a `duration` for each leg if the elements are
+    equal, else for each element. `data`, the points and a final heading, are variables for the
+    caller to fix.
     """
     from pyomo import environ as pyo
     from pyomo.dae import ContinuousSet, DerivativeVar
@@ -102,7 +105,7 @@ def pyomo_model(shape: Shape) -> Any:
             return m.duration[(e - 1) // n + 1] / n
         return m.duration[e]
 
-    times = {tau: math.ceil(tau) for tau in m.tau if tau > 0}
+    times = {tau: math.ceil(tau) for tau in m.tau if tau > 0}  # the element of each point
     m.east = pyo.Constraint(
         times, rule=lambda m, t: m.dx[t] == length(times[t]) * pyo.cos(m.theta[t])
     )
@@ -153,7 +156,8 @@ class Collocation(NlpTranscription):
         def solve(guess: Guess, rates: Rates, until: float) -> Transcribed:
             """Solve from a guess.
 
-            The states of the guess follow its controls.
+            The guess has controls, from which its states follow. The values are in the order of the
+            unknowns in `template`.
             """
             turn, length = guess.elements
             times = length
@@ -170,7 +174,7 @@ class Collocation(NlpTranscription):
             upper = np.full(values.size, math.inf)
             lower[: times.size] = 0.0
             turns = slice(times.size, times.size + turn.size)
-            # |a| <= h bounds both sides by 1; a branch's other bound is 0
+            # the rows |turn| <= length bound the rate; LS and RS have 0 as their bound on one side
             most = most_turn(course, n, equal)
             lower[turns] = most * rates.lower
             upper[turns] = most * rates.upper

@@ -59,12 +59,13 @@ class MultipleShooting(NlpTranscription):
     ) -> Transcribed:
         """Solve from a guess, as `transcription.Template.solve` does.
 
-        The poses of the guess follow its controls.
+        The poses of the guess follow from its controls. The variables of a segment are in the order
+        of `expressions`.
         """
         turn, length = guess.elements
         legs = course.legs
         equal = self.mesh == "equal"
-        # a side that a word has not is no variable: engines do badly with one that is fixed
+        # LS and RS have no variable for a turn to the other side: engines do badly with a fixed one
         signs = tuple(sign for sign, rate in ((1, rates.upper), (-1, rates.lower)) if rate != 0)
         turns = [np.maximum(sign * turn, 0.0) for sign in signs]
         straight = np.maximum(length - np.abs(turn), 0.0)
@@ -84,6 +85,7 @@ class MultipleShooting(NlpTranscription):
             magnitude=course.magnitude,
         )
         result = engine(program, np.clip(begin, lower, upper), until - perf_counter())
+        # one row a segment; zeros stand for the first segment's pose, which is no variable
         rows = np.append(np.zeros(_POSE), result.x).reshape(turn.size, -1)
         lengths = np.maximum(rows[:, _POSE:], 0.0)
         elements = Elements(lengths[:, :-1] @ np.array(signs, float), lengths.sum(axis=1))

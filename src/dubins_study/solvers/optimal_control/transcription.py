@@ -85,7 +85,7 @@ class Guess(NamedTuple):
 class Transcribed(NamedTuple):
     """An engine's solution of a transcription.
 
-    The duals (2,) are those of the end point.
+    The duals in `native`, shape (2,), are those of the end point.
     """
 
     elements: Elements
@@ -93,9 +93,9 @@ class Transcribed(NamedTuple):
 
 
 def transcribed(elements: Elements, result: EngineResult) -> Transcribed:
-    """The solution of a program by an engine.
+    """The solution, with the end point's duals only.
 
-    The program's last two equations are those of the end point.
+    The program's last two equations must be those of the end point.
     """
     duals = result.duals
     if duals is not None:
@@ -186,6 +186,7 @@ class Transcription(EngineSolver):
         return _answer(model, runs, in_time=perf_counter() <= until)
 
     def _run(self, model: PosedCourse, guess: Guess, until: float) -> Run[Elements]:
+        """Solve from one guess, then correct the path."""
         began = perf_counter()
         course = model.course
         elements, native = model.template.solve(guess, model.rates, until)
@@ -314,11 +315,11 @@ _SAMPLES = 200  # a leg, of a path that is cut where it is nearest to the points
 
 
 def trials(model: PosedCourse, solver: Transcription) -> Iterator[Iterator[Guess]]:
-    """Initial guesses of a solver's settings, subproblem by subproblem.
+    """The initial guesses that a solver's settings ask for.
 
-    The question's own path goes first if it can be driven: among the guesses of the word that is
-    asked for, or alone if the branch is `best`. The other guesses, by kind
-    (`initial_guesses.INITIAL_GUESSES`):
+    Yields one iterator of guesses for each subproblem. The question's own path goes first if it can
+    be driven. For a word it is the first guess; for `best` it is a subproblem of its own. The other
+    guesses, by kind (`initial_guesses.INITIAL_GUESSES`):
 
     - `bearing`: for one leg with a free final heading, shaped like each of the words; elsewhere as
       `one`.
@@ -371,12 +372,12 @@ def trials(model: PosedCourse, solver: Transcription) -> Iterator[Iterator[Guess
             yield iter(warm)
         yield from cold
         return
-    (only,) = cold
+    (only,) = cold  # a word as branch is the only subproblem
     yield chain(warm, only)
 
 
 def _cut_legs(paths: Sequence[Path], n: int, shares: FloatArray | None) -> Elements:
-    """The paths of legs as elements.
+    """The legs' paths, cut into n elements each.
 
     Each path begins at heading 0.
     """
@@ -401,6 +402,7 @@ def _straight(course: Course, n: int, shares: FloatArray | None) -> Guess:
 
 
 def _random(model: PosedCourse, solver: Transcription) -> Iterator[Guess]:
+    """Random guesses, as `trials` describes them."""
     course = model.course
     rates = model.rates
     n = solver.n
@@ -431,9 +433,11 @@ def _given(question: Question, course: Course, n: int, shares: FloatArray | None
     away = np.hypot(*(path.at(places)[:, :2] - points).T)
     ends = places[:0]
     if len(points):
+        # a leg ends where the path is nearest to the leg's point, but not before its own beginning
         ends = np.maximum.accumulate(places[away.argmin(axis=0)])
     bounds = np.concatenate(([0.0], ends, [path.length]))
     begins = np.cumsum(path.lengths) - path.lengths
+    # the length that each arc has between a and b
     legs = [
         Path(HERE, path.curvatures, np.clip(path.lengths + begins, a, b) - np.clip(begins, a, b))
         for a, b in pairwise(bounds)

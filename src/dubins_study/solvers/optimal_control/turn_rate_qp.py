@@ -175,9 +175,10 @@ class Sequence:
         return Transcribed(elements, result)
 
     def _begin(self, elements: Elements) -> None:
-        self.penalty = 10.0
-        self.reach = 1.0
-        self.ease = 1.0
+        """Begin the sequence at these elements."""
+        self.penalty = 10.0  # on missing the points
+        self.reach = 1.0  # of the trust region: rad, and share of a length
+        self.ease = 1.0  # the share of the curvature that counts
         self.now = elements
         self.rolled = rollout(elements)
         ends = np.cumsum(elements.turn).reshape(self.course.legs, -1)[:, -1]
@@ -229,7 +230,8 @@ class Sequence:
     def _advance(self, answer: QpAnswer) -> bool:
         """Take the QP's step if the merit function falls.
 
-        Returns True if there is nothing to gain.
+        Returns True if the sequence has ended: the QP promises no gain, and there is nothing else
+        to try.
         """
         before = self._merit(self.now, self.rolled)
         promised = before - self.now.total - self.scale * answer.value

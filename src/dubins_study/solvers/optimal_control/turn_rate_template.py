@@ -42,7 +42,8 @@ class EngineError(RuntimeError):
 class Numbers(NamedTuple):
     """The numbers of a QP with N steps.
 
-    Scalars are arrays of shape (1,).
+    `QpTemplate` has the program in which they stand, under the same names. Scalars are arrays of
+    shape (1,).
     """
 
     G: FloatArray  # (2, N)
@@ -108,6 +109,7 @@ class QpTemplate:
         data, self.chain, self.inverse = problem.get_problem_data(engine.upper(), solver_opts={})
         # the engines' interfaces compare the arrays with the last ones: two sets take turns
         self.frames = [deepcopy(data), data]
+        # for each array: places of marks in it, the numbers that go there, and their signs
         self.places = {}
         for key, array in data.items():
             values = _values(array)
@@ -118,9 +120,9 @@ class QpTemplate:
         self.memory: dict[str, Any] = {}  # the engine's, from one QP to the next
 
     def stated(self, p: Numbers) -> tuple[Any, list[Any]]:
-        """The problem in cvxpy for these numbers.
+        """State the problem in cvxpy for these numbers.
 
-        Returns also its first two equations.
+        Returns two values: the problem, and its equations of the legs' ends, for x and for y.
         """
         import cvxpy as cp
 
@@ -129,6 +131,7 @@ class QpTemplate:
         ones = np.ones(n * legs)
         turn = diags_array([ones, -ones[1:]], offsets=[0, -1], format="csc") @ self.z
         a_leg = kron(eye_array(legs), np.ones((1, n)), format="csr")  # adds up a leg's steps
+        # takes for each leg the heading at the end of the leg before it; 0 for the first leg
         before = diags_array([np.ones(legs - 1)], offsets=[-1], shape=(legs, legs)) @ (
             kron(eye_array(legs), np.eye(1, n, n - 1), format="csr")
         )
@@ -160,9 +163,9 @@ class QpTemplate:
         return cp.Problem(cp.Minimize(objective), [*ends, *bounds]), ends
 
     def _solved(self, numbers: Numbers, options: OptionValues) -> Any:
-        """cvxpy's own solution.
+        """Solve the QP; return cvxpy's `Solution`.
 
-        It is not written into the problem, which would evaluate the objective.
+        The solution is not written into the problem, which would evaluate the objective.
         """
         self.frames.reverse()
         data = dict(self.frames[0])
@@ -226,8 +229,8 @@ def _values(array: Any) -> Any:
 
 @lru_cache(maxsize=32)
 def template(n: int, legs: int, final: bool, engine: str) -> QpTemplate:
-    """The compiled QP.
+    """The compiled QP, kept from call to call.
 
-    It is kept, since compiling takes as long as many solves.
+    Compiling takes as long as many solves.
     """
     return QpTemplate(n, legs, final, engine)

@@ -83,7 +83,7 @@ class TurnRates(NlpTranscription):
                 np.append(upper, np.full(legs, np.inf)),
                 magnitude=course.magnitude,
             )
-            whole = guess.elements.length.reshape(legs, n).sum(axis=1)
+            whole = guess.elements.length.reshape(legs, n).sum(axis=1)  # the legs' lengths
             begin = np.append(np.clip(guess.elements.rate, lower, upper), whole)
             result = engine(program, begin, until - perf_counter())
             rate, whole = np.split(result.x, [-legs])

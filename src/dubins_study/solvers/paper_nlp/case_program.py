@@ -69,9 +69,9 @@ def solve(case: Case, guess: FloatArray, seconds: float, engine: NlpCall) -> Eng
 
 
 def measured(solve: Solve) -> Solve:
-    """A function that solves a case and measures violations.
+    """The function `solve`, with `slope` in each result.
 
-    Its result can compute the slope of the violation at its point.
+    The field `slope` is a function that computes the violation's slope at the result's point.
     """
 
     def run(case: Case, guess: FloatArray, seconds: float) -> EngineResult:
@@ -104,14 +104,14 @@ def expressions(free: tuple[int, ...], scaled: bool) -> Expressions:
 
 
 def _written(case: Case) -> Functions:
-    """The functions written by hand.
+    """A case's functions, written by hand.
 
-    Their unit is one radius.
+    Their variables are the free lengths, in radii.
     """
     X, Y, _ = case.target
     free = case.subproblem.free
     ones = np.ones(len(free))
-    places = slice(free[0], free[-1] + 1, free[1] - free[0])
+    places = slice(free[0], free[-1] + 1, free[1] - free[0])  # (0, 2) as 0:3:2
 
     def lengths(z: FloatArray) -> list[float]:
         """All three lengths, as Python's own numbers.

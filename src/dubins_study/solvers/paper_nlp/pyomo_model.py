@@ -77,7 +77,7 @@ _shared_model = cache(pyomo_model)
 
 
 def posed(case: Case, guess: FloatArray) -> Any:
-    """The Pyomo model of a subproblem.
+    """The shared Pyomo model, set to a case.
 
     Its free lengths are at `guess`, shape (3,).
     """
@@ -148,9 +148,10 @@ def solve_in_pyomo(case: Case, guess: FloatArray, seconds: float, interface: str
 def _ended(
     model: Any, loader: Any, claim: Claim, status: str, message: str, iterations: int | None = None
 ) -> EngineResult:
-    """The end of a run.
+    """The end of a run, from one of Pyomo's loaders.
 
-    Its point and its duals come from one of Pyomo's loaders, if there are any.
+    The loader gives the point and the duals. Without a point the claim becomes `failed`, unless it
+    needs no point. The duals are None if the loader has none.
     """
     from pyomo.common.errors import PyomoException
 

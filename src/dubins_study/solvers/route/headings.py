@@ -137,9 +137,10 @@ class Headings(SearchSolver):
     def _runs(
         self, route: Route, repeat: int, until: float, trace: Trace
     ) -> Iterator[Run[FloatArray]]:
-        """Runs of the engine, which add to the trace.
+        """Runs of the engine, one for each guess.
 
-        A point holds the unknown headings, (k,).
+        A run's point holds the unknown headings (k,). Each run extends `trace` in place if the
+        setting `trace` is on.
         """
         random = np.random.default_rng(self.seed + repeat)
         solve = partial(self._solved, route, random, trace)
@@ -179,11 +180,12 @@ class Headings(SearchSolver):
     def _descend(
         self, route: Route, trace: Trace, guess: FloatArray, seconds: float
     ) -> EngineResult:
-        """Run an engine of nonlinear programs."""
+        """Run an engine of nonlinear programs; extend the trace."""
         engine: NlpCall = self.library.load()(self.tol, self.max_iter, self.options)
         functions = _functions(route)
         if not self.trace:
             return engine(program(route, functions), guess, seconds)
+        # no limits: the function is counted only to record the trace
         whole_plane = LengthInBox(route, np.zeros(route.unknowns))
         counted = CountedFunction(whole_plane, math.inf, math.inf)
         functions = functions._replace(objective=counted)
@@ -199,13 +201,14 @@ class Headings(SearchSolver):
         guess: FloatArray,
         seconds: float,
     ) -> EngineResult:
-        """Run a search of a box.
+        """Run a search of a box; extend the trace.
 
-        The box has a full turn for each heading. It is about the guess if the engine takes one.
+        The box has a full turn for each heading. The guess is in its middle if the engine takes
+        one.
         """
         k = route.unknowns
         until = perf_counter() + seconds
-        low = np.full(k, route.first)
+        low = np.full(k, route.first)  # the box's corner; the search sees headings minus `low`
         begin = None
         if self.guided:
             low = guess - _HALF_TURN
@@ -258,9 +261,10 @@ def _path(scenario: Scenario, route: Route, unknown: FloatArray) -> Path:
 
 
 def _add(trace: Trace, run: CountedFunction, low: FloatArray | float) -> None:
-    """Add the trace of one more run.
+    """Extend a trace in place by a run's trace.
 
-    Its evaluations come after all those before it.
+    The run's evaluations count on from those of the trace. The run's points are headings minus
+    `low`. A last entry repeats the run's best point with all of the run's evaluations.
     """
     if run.trace:
         before = 0
@@ -273,8 +277,8 @@ def _add(trace: Trace, run: CountedFunction, low: FloatArray | float) -> None:
 def _thinned(trace: Trace) -> Trace:
     """The trace with fewer points.
 
-    While the evaluations grow by a tenth, only the last point stays. The very last point always
-    stays.
+    Of points within a tenth more evaluations than the point before them, only the last stays. The
+    very last point of the trace always stays.
     """
     thinned: Trace = []
     for count, point in trace:
@@ -298,19 +302,21 @@ def _no_expressions() -> Expressions:
 
 
 def _functions(route: Route) -> Functions:
+    """A route's length and its derivatives, without equations."""
     k = route.unknowns
 
     def derivatives(unknown: FloatArray, function: Any) -> FloatArray:
         """A function's values for all legs, shape (n, ...).
 
-        It takes a leg's word and segments.
+        The function takes the index of a leg's word, and the leg's three segments.
         """
         segments, words = route.shortest(route.headings(unknown))
         legs = zip(words.tolist(), *segments.tolist(), strict=True)
         return np.array([function(*leg) for leg in legs])
 
     def gradient(unknown: FloatArray) -> FloatArray:
-        slopes = derivatives(unknown, pose_gradient)
+        slopes = derivatives(unknown, pose_gradient)  # by the leg's first and last heading
+        # a heading is the last one of a leg and the first one of the next
         behind = np.append(slopes[1:, 0], 0.0)
         total: FloatArray = slopes[:, 1] + behind
         return total[:k]
@@ -320,7 +326,7 @@ def _functions(route: Route) -> Functions:
 
         No other entry differs from zero, since a heading is in two legs only.
         """
-        curved = derivatives(unknown, pose_curvatures)
+        curved = derivatives(unknown, pose_curvatures)  # 11, 12 and 22 of each leg
         diagonal: FloatArray = curved[:, 2] + np.append(curved[1:, 0], 0.0)
         return diagonal[:k], curved[1:k, 1]
 

@@ -244,9 +244,10 @@ def program(route: Route, places: Places = ()) -> Program:
 def expressions(arcs: tuple[int, ...], final_heading: bool, known: bool) -> Expressions:
     """(4.12) for legs with given numbers of arcs.
 
-    It is in the world's directions and units of the radius. If the words are `known`, the turns 1,
-    0 or -1 of their arcs are parameters, so that all sequences share a program. Otherwise the arcs
-    are L R S L R.
+    The program is in the world's directions and units of the radius. If the words are `known`, the
+    turns 1, 0 or -1 of their arcs are parameters: all sequences share a program. Otherwise the arcs
+    are L R S L R. The parameters p are the steps (2 legs,), the first heading, the final heading if
+    given, and the turns if known.
     """
 
     import casadi
@@ -293,15 +294,18 @@ def expressions(arcs: tuple[int, ...], final_heading: bool, known: bool) -> Expr
 def word_places(route: Route, headings: FloatArray) -> Places:
     """The arcs of the shortest legs between headings.
 
-    The headings have shape (n + 1,). A path to a free final heading has a turn and a straight, or
-    two turns. So one of the last leg's three pieces is left out: the shortest one that leaves such
-    a word.
+    The headings have shape (n + 1,). Returns for each leg the places of its arcs among L R S L R:
+    (0, 2, 4) for LSR.
+
+    A path to a free final heading has a turn and a straight, or two turns. So one of the last leg's
+    three pieces is left out: the shortest one that leaves such a word.
     """
     segments, words = route.shortest(headings)
     places: list[tuple[int, ...]] = [_PLACES[word] for word in words]
     if route.last is None:
         pieces = places[-1]
         pairs = {drop: pieces[:drop] + pieces[drop + 1 :] for drop in range(3)}
+        # the two pieces that are left must be a turn, and then another letter
         candidates = [drop for drop, (i, j) in pairs.items() if _ARCS[i] and _TURNS[i] != _TURNS[j]]
         places[-1] = pairs[min(candidates, key=lambda drop: float(segments[drop, -1]))]
     return tuple(places)
@@ -364,16 +368,17 @@ def _point(route: Route, arcs: FloatArray) -> FloatArray:
 def _unknowns_of(point: FloatArray, places: Places) -> FloatArray:
     """A joint point, reduced to the program's unknowns.
 
-    The joint point has shape (6 n,).
+    The joint point has shape (6 n,). The unknowns of a leg are the arcs at its places, and the
+    heading after the leg.
     """
     legs = zip(point.reshape(-1, _PER_LEG), places, strict=True)
     return np.concatenate([[*leg[list(leg_places)], leg[-1]] for leg, leg_places in legs])
 
 
 def _arcs(point: FloatArray, places: Places) -> FloatArray:
-    """All arcs of a point x, shape (n, 5).
+    """All arcs of a program's point, shape (n, 5).
 
-    Arcs that its program does not have are 0.
+    Arcs that the program does not have are 0.
     """
     arcs = np.zeros((len(places), len(_LETTERS)))
     position = 0
@@ -386,8 +391,8 @@ def _arcs(point: FloatArray, places: Places) -> FloatArray:
 def _driven(arcs: FloatArray) -> FloatArray:
     """Arcs that a path can have, shape (n, 5).
 
-    An engine may leave some arcs below zero. Such a turn is given to its neighbour the other way:
-    cut off, it would turn all legs after it.
+    An engine may leave some arcs below zero. Such a turn becomes a turn of its neighbour, which is
+    the other way. If it became 0, all later legs would have other headings.
     """
     turns = [0, 1, 3, 4]
     others = [1, 0, 4, 3]

@@ -114,9 +114,11 @@ class Penalty(SearchSolver):
     def _searches(
         self, question: Question, case: Case, number: int, until: float
     ) -> Iterator[Run[FloatArray]]:
-        """The searches of a case.
+        """The searches of a case, guess by guess.
 
-        A run's result has the engine's own z, shape (3,).
+        From each guess the weight of the miss grows until a point does not stop short of the
+        target, or until all rounds are made. The case's `number` among the cases is part of the
+        seed.
         """
         seed = self.seed + question.repeat
         random = np.random.default_rng((seed, number))
@@ -150,7 +152,8 @@ class Penalty(SearchSolver):
     ) -> Run[FloatArray]:
         """Run one search.
 
-        The run's point is that of its result after the correction.
+        The run's result has the engine's own z, shape (3,). The run's point is this z after the
+        correction, if the setting `polish` is on.
         """
         began = perf_counter()
         penalised = PenaltyFunction(case, weight)

@@ -101,7 +101,8 @@ class SearchEndError(Exception):
 class CountedFunction:
     """A function that counts its evaluations.
 
-    It keeps the best point.
+    The attributes `best` and `value` are the best point so far and its value. `trace` lists each
+    point that was the best, with the evaluations until then.
 
     After `budget` evaluations, or at the time `until` (s, on `perf_counter`), a SearchEndError is
     raised out of the engine. So every engine stops at the same budget, and none returns a worse
@@ -112,7 +113,6 @@ class CountedFunction:
         self.function = function
         self.budget = budget
         self._until = until
-        # evaluations until then, and the best point
         self.trace: list[tuple[int, FloatArray]] = []
         self.evaluations = 0
         self.value = math.inf
@@ -186,8 +186,8 @@ class Task(NamedTuple):
         """Let an engine minimise.
 
         Returns the end of the search, with the best point that was evaluated. With `restarts` an
-        engine that ends earlier begins anew until the evaluations are spent. If it takes a guess,
-        it begins from a uniform point.
+        engine that ends earlier begins anew until the evaluations are spent. An engine that takes a
+        guess then begins at a random point, uniform in the box.
         """
         claim = Claim.FEASIBLE
         run: Search = ENGINES[engine].load()(options=options)

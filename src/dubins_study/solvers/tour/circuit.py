@@ -104,12 +104,14 @@ class Circuit(NamedTuple):
 
 
 def _circuit(graph: Graph) -> Circuit:
+    """The circuit model of a graph."""
     from ortools.sat.python import cp_model
 
     program = cp_model.CpModel()
     literals = [program.new_bool_var("") for _ in graph.tails]
     skipped = [program.new_bool_var("") for _ in graph.owner]
     circuit = list(zip(graph.tails.tolist(), graph.heads.tolist(), literals, strict=True))
+    # CP-SAT leaves a node out by an arc from the node to itself
     circuit += [(node, node, literal) for node, literal in enumerate(skipped)]
     program.add_circuit(circuit)
     for place in range(graph.places.count):

@@ -40,9 +40,11 @@ def euclidean_order(places: Places, until: float) -> list[int]:
 
 
 def _exact(starts: FloatArray, between: FloatArray, ends: FloatArray) -> list[int]:
-    """The shortest order of n points.
+    """The shortest order of n points, as indices.
 
-    It is found by a dynamic program over subsets (Held and Karp 1962).
+    The distances are `starts` (n,) from the start, `between` (n, n) from point to point, and `ends`
+    (n,) to the end. A dynamic program over subsets finds the order (Held and Karp 1962). Its
+    costs[s, i] are those from the start through the points whose bits are set in s, to the point i.
     """
     n = starts.size
     costs = np.full((1 << n, n), math.inf)
@@ -66,7 +68,8 @@ def _exact(starts: FloatArray, between: FloatArray, ends: FloatArray) -> list[in
 def _nearest(between: FloatArray, via: list[int]) -> list[int]:
     """The order that goes on to the nearest place.
 
-    Each place is followed by the nearest one that is left.
+    The via points are sorted: first the one nearest to the start, then always the one nearest to
+    the point before. The start is not in the result.
     """
     remaining = list(via)
     order: list[int] = []
@@ -81,7 +84,8 @@ def _nearest(between: FloatArray, via: list[int]) -> list[int]:
 def _improved(places: Places, order: list[int], until: float) -> list[int]:
     """The order, improved by local changes.
 
-    Parts are turned round (2-opt, Croes 1958) or moved (Or 1976) while the order gets shorter.
+    Parts are turned round (2-opt, Croes 1958) or moved (Or 1976) until no change makes the order
+    shorter, or until the time `until`.
     """
     length = _length(places, order)
     again = True
@@ -102,7 +106,8 @@ def _improved(places: Places, order: list[int], until: float) -> list[int]:
 def _changed(order: list[int], i: int, end: int) -> Iterator[list[int]]:
     """Orders with one changed part that begins at i.
 
-    The part is turned round, or up to three places at its ends are swapped.
+    The part is turned round, or up to three places move from one of its ends to the other. The part
+    ends before `end` at the latest.
     """
     for j in range(i + 2, end + 1):
         part = order[i:j]

@@ -100,6 +100,7 @@ def graph_of(question: Question, count: int, costs: str) -> Graph:
         if j == 0 and not places.closed:  # an open tour does not go back to its start
             block = np.zeros((grid[i].size, grid[j].size))
         elif costs == BOUNDS:
+            # half of an interval's width; 0 where the heading is given
             block = _bounds(step, (grid[i], halves[i]), (grid[j], halves[j]))
         else:
             [block] = layers_between([grid[i], grid[j]], step[None]).lengths
@@ -125,7 +126,8 @@ def _bounds(
 ) -> FloatArray:
     """Bounds of a leg over intervals at both ends.
 
-    `first` and `last` are the intervals' middles, and half of their width.
+    `first` and `last` are the intervals' middles (rad), and half of their width. Returns a bound
+    (radii) for each interval at the beginning and each at the end, shape (first, last).
     """
     from dubins_study.study.route.intervals import OVERLAP  # loads Numba
     from dubins_study.study.route.leg_bound import bound_leg
@@ -145,7 +147,8 @@ def _bounds(
 def tour_run(graph: Graph, result: ProvenResult) -> TourRun:
     """The tour in an engine's result.
 
-    The engine's x has a number for each arc.
+    The engine's x begins with a number for each arc. Without x, or if the arcs make several cycles,
+    the tour is None.
     """
     end = TourRun(None, result.claim, result.status, result.bound, nodes=result.nodes)
     if result.x is None:
@@ -160,7 +163,7 @@ def tour_run(graph: Graph, result: ProvenResult) -> TourRun:
 def cycles(graph: Graph, x: FloatArray) -> list[list[int]]:
     """The nodes along each cycle of driven arcs.
 
-    An arc is driven if its number in x is near 1. The start's cycle is first.
+    An arc is driven if its number in x is near 1. The start's cycle is first, from the start on.
     """
     chosen = x[: graph.costs.size] > 0.5
     after = dict(zip(graph.tails[chosen].tolist(), graph.heads[chosen].tolist(), strict=True))

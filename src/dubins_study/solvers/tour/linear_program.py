@@ -68,7 +68,8 @@ def program_of(graph: Graph, model: str) -> LinearProgram:
     if model == CUTS:
         return degrees
     codes, pair_of = np.unique(i * places + j, return_inverse=True)
-    z = _ones(pair_of, arcs, codes.size)  # whether one place follows another
+    # a row of z adds up the arcs of one pair of places (i, j): 1 if the place j follows i
+    z = _ones(pair_of, arcs, codes.size)
     i, j = np.divmod(codes, places)
     if model == FLOW:
         return _with_flow(degrees, z[j > 0], i[j > 0], j[j > 0])
@@ -77,17 +78,18 @@ def program_of(graph: Graph, model: str) -> LinearProgram:
 
 
 def _ones(rows: IntArray, columns: IntArray, height: int) -> csr_array:
-    """A matrix of zeros and ones.
+    """A matrix of zeros, with ones at given places.
 
-    The ones are at the given places.
+    Its shape is (height, columns.size).
     """
     return csr_array((np.ones(rows.size), (rows, columns)), shape=(height, columns.size))
 
 
 def _with_flow(program: LinearProgram, z: csr_array, i: IntArray, j: IntArray) -> LinearProgram:
-    """The program with a flow from i to j.
+    """The program with a flow for each pair (i, j).
 
-    An arc's flow is at most the number of places that are left to be passed. None goes to the
+    Each place but the start keeps one unit. Where j does not follow i (a row of `z`), the flow is
+    0. Elsewhere it is at most the number of places that are left to be passed. No flow goes to the
     start.
     """
     flows = np.arange(i.size)
@@ -108,7 +110,7 @@ def _with_positions(
 ) -> LinearProgram:
     """The program with the position of each place.
 
-    If j follows i, its position is at least 1 more than that of i.
+    If j follows i (a row of `z`), the position of j is at least 1 more than that of i.
     """
     rows = np.arange(i.size)
     ahead = (_ones(i, rows, places) - _ones(j, rows, places)).T
@@ -131,7 +133,8 @@ def _extended(
 ) -> LinearProgram:
     """The program with more rows and variables.
 
-    The further variables are at least 0 and cost nothing.
+    `blocks` are the new rows over the old and the new variables, `least` and `most` their ends. The
+    new variables are from 0 to `high` and cost nothing.
     """
     zeros = np.zeros(high.size)
     no_entries = csr_array((program.least.size, high.size))

@@ -97,6 +97,7 @@ class TourMilp(EngineSolver):
         result = solved(self, program, settings, limit)
         bound = result.bound
         nodes = [result.nodes]
+        # every program with fewer cuts bounds the same tours, so the best bound so far counts
         while self.model == CUTS and result.claim is Claim.OPTIMAL and result.x is not None:
             subtours = cycles(graph, result.x)
             seconds_left = limit - (perf_counter() - began)

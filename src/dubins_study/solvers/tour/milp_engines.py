@@ -122,7 +122,8 @@ _CBC_STATUSES = (
 def _glpk(program: LinearProgram, settings: Settings, seconds: float) -> ProvenResult:
     """Run GLPK, by swiglpk.
 
-    It takes no seed. It reports bounds and nodes only while it runs.
+    GLPK takes no seed. It reports bounds and nodes only while it runs, so the bound of an optimum
+    is taken to be its cost less the gap. GLPK numbers rows and columns from 1.
     """
     import swiglpk as glpk
 
@@ -174,9 +175,10 @@ def _glpk(program: LinearProgram, settings: Settings, seconds: float) -> ProvenR
 
 
 def _between(glpk: Any, low: float, high: float) -> tuple[int, float, float]:
-    """GLPK's kind of some bounds, and the bounds.
+    """Bounds as GLPK takes them.
 
-    They are those of a row or of a column.
+    Returns three values for a row or column: the kind of its bounds, the lower and the upper bound.
+    A bound that the kind does not have is 0.
     """
     if low == high:
         return glpk.GLP_FX, low, high
@@ -199,7 +201,10 @@ _GLPK_STATUSES = ("", "GLP_UNDEF", "GLP_FEAS", "", "GLP_NOFEAS", "GLP_OPT")
 
 
 def _rows(program: LinearProgram) -> Iterator[tuple[list[tuple[int, float]], float, float]]:
-    """The rows: columns with values, and bounds."""
+    """The rows of a program, one by one.
+
+    Yields three values: pairs of a column and its coefficient, the lower end, the upper end.
+    """
     begins = program.rows.indptr
     entries = list(zip(program.rows.indices.tolist(), program.rows.data.tolist(), strict=True))
     bounds = zip(program.least.tolist(), program.most.tolist(), strict=True)
@@ -221,9 +226,9 @@ def _mixed(program: LinearProgram) -> MixedProgram:
 
 
 def _sum(terms: list[Any]) -> Any:
-    """The sum, added up by halves.
+    """The sum of terms, added up by halves.
 
-    Term by term, some interfaces copy the sum so far each time.
+    Added up term by term, some interfaces would copy the sum so far each time.
     """
     if len(terms) == 1:
         return terms[0]

@@ -51,7 +51,8 @@ class OrderFirst(Solver):
     def choose(self, places: Places, until: float) -> tuple[list[int], FloatArray]:
         """The order of the places, and the headings.
 
-        These are the headings at the places and at the end.
+        Returns two values: the places in the order, the start first; and the headings (rad) at the
+        beginning of each leg and at the end of the last, shape (legs + 1,).
         """
 
 

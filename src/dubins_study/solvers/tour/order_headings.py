@@ -62,10 +62,11 @@ class Layers(NamedTuple):
 def layers_between(headings: list[FloatArray], steps: FloatArray) -> Layers:
     """The layers of some headings at each point.
 
-    The points are `steps` (radii) apart.
+    The points are `steps` apart, shape (n, 2), in radii.
     """
     lengths = []
     for (before, after), (x, y) in zip(pairwise(headings), steps, strict=True):
+        # every heading before with every heading after
         a, b = (each.ravel() for each in np.meshgrid(before, after, indexing="ij"))
         segments, _ = legs(np.full(a.size, x), np.full(a.size, y), a, b)
         lengths.append(segments.sum(axis=0).reshape(before.size, after.size))
@@ -101,7 +102,10 @@ def polished(
 
 
 def _best(places: Places, order: list[int], candidates: list[FloatArray]) -> FloatArray:
-    """The best of some headings at each place."""
+    """The best choice among candidates at each place.
+
+    Returns the headings (rad), shape (legs + 1,).
+    """
     steps = places.steps(order)
     if not places.closed:
         return layers_between(candidates, steps).shortest()

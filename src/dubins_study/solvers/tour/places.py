@@ -43,13 +43,15 @@ class Places:
     def next_places(self) -> BoolArray:
         """Whether one place may follow another, shape (m, m).
 
-        A tour goes back to the start from its end. This is a leg only if the tour is closed.
+        The entry [i, j] says whether j may follow i. A tour goes back to the start from its end.
+        This is a leg only if the tour is closed.
         """
         m = self.count
         if self.in_order:
             return np.eye(m, k=1, dtype=np.bool_) | np.eye(m, k=1 - m, dtype=np.bool_)
         allowed = ~np.eye(m, dtype=np.bool_)
         if self.with_target:
+            # only the target is followed by the start, and it follows a via point if there is one
             allowed[1:-1, 0] = False
             allowed[-1, 1:] = False
             allowed[0, -1] = m == 2
@@ -67,9 +69,10 @@ class Places:
         return steps
 
     def headings(self, count: int) -> list[FloatArray]:
-        """Headings at each place, equally many and spaced.
+        """The headings (rad) of a grid at each place.
 
-        They begin at the start's heading. A place whose heading is given has that one only.
+        A place has `count` headings at equal distances, from the start's heading on. A place whose
+        heading is given has that one only.
         """
         first = self.given[0] or 0.0
         grid: FloatArray = first + (TWO_PI / count) * np.arange(count, dtype=np.float64)
@@ -96,9 +99,9 @@ def places_of(scenario: Scenario) -> Places:
 
 
 def empty_path(question: Question) -> Solution | None:
-    """The path of no length, or None.
+    """A path of no length as the answer, or None.
 
-    It is the answer if one leg's target is its start.
+    The answer exists if the question is one leg whose target is its start.
     """
     scenario = question.scenario
     return at_start(scenario, free_target(scenario), coordinate_rounding(scenario))

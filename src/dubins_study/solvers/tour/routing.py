@@ -84,9 +84,10 @@ class TourRouting(EngineSolver):
 
 
 def _visited(graph: Graph, search: str, seconds: float) -> TourRun:
-    """The run of a vehicle through the graph's nodes.
+    """Plan a vehicle's tour through the graph's nodes.
 
-    Its tour has the nodes that are visited, from the start on.
+    The run's tour has the nodes that are visited, from the start on. It is None if the library
+    found no tour of arcs.
     """
     from ortools.constraint_solver import pywrapcp, routing_enums_pb2
 
