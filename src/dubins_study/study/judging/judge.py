@@ -31,7 +31,7 @@ def judge(
     columns = kind.known(scenario, branch)
     if path is None or not drivable(path):
         verdict = Verdict.NONE if path is None else Verdict.MISSES
-        # the best path always exists, and nothing has to be searched for
+        # a denial of the best path is false, since one always exists: no reference is needed
         denied = path is None and claim in DENIALS and branch != "best"
         if denied and kind.reference(scenario, branch, tolerances).enclosure.absent:
             verdict = Verdict.NONE_EXISTS
@@ -64,9 +64,10 @@ def judge(
 
 
 def _order(scenario: Scenario, seen: Seen) -> list[float] | None:
-    """Via points of a tour, as they are visited.
+    """Order in which a tour's via points are visited.
 
-    They are given by their places in the scenario. None if the order is given.
+    A point is given by its place in the scenario; the first is 0. The places are floats, since a
+    row's lists are. None if the scenario gives the order.
     """
     if scenario.order is not Order.FREE:
         return None
@@ -88,7 +89,7 @@ def miss_reason(
     if seen.miss > allowed_miss(
         tolerances.miss, radius, extent=scenario.extent, length=path.length
     ):
-        if seen.visits.miss == seen.miss:
+        if seen.visits.miss == seen.miss:  # the largest miss is that of a via point
             in_order = ", in their order" if scenario.order is Order.GIVEN else ""
             return f"the path passes {seen.miss / radius:.3g} R from a via point{in_order}"
         return f"the path ends {seen.miss / radius:.3g} R from the target"
