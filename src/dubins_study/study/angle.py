@@ -41,11 +41,16 @@ def parse_angle(text: str | float) -> float:
 
 
 def _evaluate(text: str) -> float | None:
-    """Radians, or None if the text is not an angle."""
+    """Radians of a text; None if no angle.
+
+    Raises:
+        AngleError: if a number without a unit is more than a full turn.
+    """
     match = _ANGLE.fullmatch(text)
     if match is None:
         return None
     sign, number, unit, pi, divisor = match.groups()
+    # such as "deg", or "pi/0"
     if not (number or pi) or float(divisor or 1) == 0:
         return None
     value = float(f"{sign}{number or 1}")

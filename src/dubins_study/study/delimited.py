@@ -32,7 +32,7 @@ def read_rows(lines: Iterable[str], delimiter: str = ",") -> Rows:
     """Read the rows of some lines.
 
     Each line holds one row. Empty lines are skipped. A row that spans several lines or has more
-    cells than the header is a problem.
+    cells than the header is left out, and `problems` has a sentence about it.
     """
     rows: list[Row] = []
     problems: list[str] = []
@@ -58,7 +58,10 @@ def read_rows(lines: Iterable[str], delimiter: str = ",") -> Rows:
 def column_problems(
     names: Sequence[Any], required: Sequence[str], optional: Sequence[str]
 ) -> list[str]:
-    """Problems of a table's column names, a sentence each."""
+    """Problems of a table's column names, a sentence each.
+
+    A name that is missing, unknown or repeated is a problem. The list is empty if all are right.
+    """
     expected = f"expected the columns {', '.join(required)} and, if wanted, {', '.join(optional)}"
     columns = (*required, *optional)
     problems = []

@@ -29,12 +29,14 @@ if TYPE_CHECKING:
 CLAIMS = tuple(Claim)
 # An arc with less than this share of the path's largest curvature counts as straight.
 RIPPLE = 1e-3
-_FEW = 7  # lengths up to which numpy adds in the order of a loop, but slower
+# Lengths; up to this many a loop adds faster than numpy, and in the same order.
+_FEW = 7
 _LOOPED = 24  # arcs up to which a loop is quicker than whole arrays
 _MEETS = 1e-6  # radii and rad; largest gap between the end of a path and the start of the next
 _MOST_POINTS = 10_000_000  # of a path that is sampled or exported
 _MOST_PARTS = 100_000  # parts of all turns of a path that is drawn
-Piece = tuple[int, float, float]  # side (1 left, 0, -1 right), rad, length unit
+# side (1 left, 0 straight, -1 right), size of the turn (rad), length (length unit)
+Piece = tuple[int, float, float]
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,8 +88,9 @@ class Path:
         Each path begins where the one before it ends.
 
         Raises:
-            ValueError: if there are no paths, or if two of them do not meet. They meet if they are
-                within 1e-6 of the tightest radius there, and within 1e-6 rad apart from full turns.
+            ValueError: if there are no paths, or if two of them do not meet. Two paths meet if the
+                gap is at most 1e-6 of their smallest radius, and if their headings differ by at
+                most 1e-6 rad, full turns left out.
         """
         parts = list(paths)
         if not parts:
@@ -128,7 +131,7 @@ class Path:
     def poses(self) -> FloatArray:
         """Poses at the ends of the arcs.
 
-        Shape (n + 1, 3); row 0 is the start.
+        Shape (n + 1, 3): x, y (length unit), heading (rad, not wrapped). Row 0 is the start.
         """
         return corners(self.start, self.curvatures, self.lengths)
 
@@ -143,7 +146,7 @@ class Path:
             distance: shape (m,), or one number; length unit, clipped to [0, total length].
 
         Returns:
-            Shape (m, 3).
+            Shape (m, 3): x, y (length unit), heading (rad, not wrapped).
         """
         d = np.clip(np.atleast_1d(np.asarray(distance, dtype=np.float64)), 0.0, self._ends[-1])
         if not self.lengths.size:
@@ -159,14 +162,15 @@ class Path:
             speed: length units per time unit.
 
         Returns:
-            Shape (m, 3).
+            Shape (m, 3): x, y (length unit), heading (rad, not wrapped).
         """
         return self.at(np.asarray(time, dtype=np.float64) * real_number(speed))
 
     def curvature_at(self, distance: ArrayLike) -> FloatArray:
         """Curvatures at given distances along the path.
 
-        Shape (m,). Where two arcs meet, the curvature of the later one counts.
+        Shape (m,), 1 / length unit. Where two arcs meet, the curvature of the later one counts. A
+        path without arcs has curvature 0.
         """
         d = np.atleast_1d(np.asarray(distance, dtype=np.float64))
         if not self.lengths.size:
@@ -230,6 +234,7 @@ class Path:
         # a last step of rounding alone is no step
         steps = 0
         if total > 0:
+            # a remainder that is only rounding gets no step of its own
             steps = max(math.ceil(total / size * (1 - 1e-12)), 1)
         s = np.append(size * np.arange(steps), total)
         curvature = self.curvature_at(s)
@@ -239,7 +244,8 @@ class Path:
     def to_csv(self, file: Any = None, *, step: float) -> str | None:
         """Write `sample(step=step)` as CSV.
 
-        The CSV goes to a file or its path. Without one, the text is returned.
+        The CSV is written to `file`, which is open or given by its path, and None is returned.
+        Without a file, the text is returned.
 
         Raises:
             ValueError: if the step is no positive number, or for more than ten million poses.
@@ -306,10 +312,10 @@ class Path:
         }
 
     def _chords(self, share: float) -> tuple[FloatArray, float | None]:
-        """Ends of chords along the path, and its radius.
+        """Ends of chords along the path, and a radius.
 
-        Each chord is within `share` of the smallest radius from its arc. The ends have the shape
-        (m, 2). The radius is the smallest of the arcs, None for a straight path.
+        The ends are x and y, shape (m, 2). The radius is the smallest of the arcs (length unit),
+        None for a straight path. Each chord is within `share` times that radius from its arc.
         """
         driven = self.lengths > 0
         bend = np.abs(self.curvatures[driven])
@@ -334,6 +340,10 @@ class Path:
         return self._drawing(f"{short_word(self.word(), 24)}, length {self.length:.6g}")
 
     def _drawing(self, caption: str) -> str | None:
+        """SVG of the path with a caption.
+
+        None if the path cannot be driven or has no length.
+        """
         if not drivable(self) or not self.length > 0:
             return None
         points, _ = outline(self)
@@ -357,6 +367,7 @@ class Path:
         )
         runs = [(side * (bend > tolerance), bend, length) for side, bend, length in _joined(pieces)]
         least = tolerance * self.length
+        # "SLR"[-1] is R. A straight that is left out may have stood between two equal letters.
         letters = ("SLR"[side] for side, _, length in _joined(runs) if side or length > least)
         return "".join(letter for letter, _ in groupby(letters))
 
@@ -368,7 +379,7 @@ def corners(start: Pose, curvatures: FloatArray, lengths: FloatArray) -> FloatAr
     turns the heading by k l. Its chord is l sinc(k l / 2) long and points along the mean heading.
     This is exact for the Dubins car, k = 0 included (LaValle 2006, Planning Algorithms, sec.
     15.3.1; docs/derivation.md, eq. 2). Headings are not wrapped. From the first heading that is not
-    finite on, no pose is.
+    finite on, no pose is finite.
 
     Args:
         start: initial pose.
@@ -433,7 +444,7 @@ def _many_corners(start: Pose, curvatures: FloatArray, lengths: FloatArray) -> F
 
 
 def _chord(turn: FloatArray, length: FloatArray) -> FloatArray:
-    """Chords of arcs, from their turns and lengths.
+    """Lengths of arcs' chords, from turns and lengths.
 
     Turns are in rad; shapes (m,), (m,) -> (m,).
     """
@@ -459,15 +470,13 @@ def _advance(poses: FloatArray, curvature: FloatArray, length: FloatArray) -> Fl
 def outline(path: Path, angle: float = 0.05) -> tuple[FloatArray, FloatArray]:
     """Poses that cut a path's arcs into equal parts.
 
-    The curvatures of the parts are returned too.
-
     Args:
-        path: with finite numbers; an arc of negative length is passed over.
-        angle: the most that a part turns by (rad), but for paths of thousands of turns. A chord
-            over 0.05 is 0.0003 radii from its arc.
+        path: with finite numbers; an arc of negative length is left out.
+        angle: largest turn of a part (rad); more for paths of thousands of turns. A chord over
+            0.05 rad is 0.0003 radii from its arc.
 
     Returns:
-        Shapes (m + 1, 3) and (m,).
+        Poses at the ends of the m parts, shape (m + 1, 3), and their curvatures, shape (m,).
     """
     driven = path.lengths > 0
     curvatures = path.curvatures[driven]
@@ -481,9 +490,11 @@ def outline(path: Path, angle: float = 0.05) -> tuple[FloatArray, FloatArray]:
 def _cuts(lengths: FloatArray, parts: NDArray[np.int_]) -> FloatArray:
     """Distances that cut arcs into equal parts.
 
-    They go from 0 to the end, shape (parts.sum() + 1,).
+    `parts` is the number of parts of each arc. The distances go from 0 to the end of the path,
+    shape (parts.sum() + 1,).
     """
     ends = lengths.cumsum()
+    # of each part: its number within its arc, and where the arc begins
     place = np.arange(parts.sum()) - (parts.cumsum() - parts).repeat(parts)
     begins = (ends - lengths).repeat(parts)
     return np.append(begins + place * (lengths / parts).repeat(parts), ends[-1:].sum())
@@ -501,7 +512,7 @@ def _side(curvature: float, ripple: float) -> int:
 def _joined(pieces: Iterable[Piece]) -> list[Piece]:
     """Merge neighbouring pieces of the same side.
 
-    Their bends and lengths are added.
+    A merged piece has the sum of their turns and of their lengths.
     """
     joined: list[Piece] = []
     for side, bend, length in pieces:
@@ -542,7 +553,8 @@ class Paths:
     returned: BoolArray | None = None
 
     def __post_init__(self) -> None:
-        arcs, n = (*np.shape(self.curvatures), 0, 0)[:2]  # an axis may be missing
+        # zeros stand for missing axes, so that `real_array` refuses the shape
+        arcs, n = (*np.shape(self.curvatures), 0, 0)[:2]
         if arcs != 3:
             arcs = 2
         for name in ("curvatures", "lengths"):

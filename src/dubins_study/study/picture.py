@@ -26,6 +26,7 @@ def svg(points: FloatArray, caption: str) -> str:
     corners = [f"{x:.2f},{y:.2f}" for x, y in (points * flip - low) * scale + _MARGIN]
     x, y = corners[0].split(",")
     width, height = size * scale + (2 * _MARGIN, 4 * _MARGIN)
+    # room for the caption: a character takes about 7.5 pixels
     width = max(width, 7.5 * len(caption) + 2 * _MARGIN)
     return (
         f'<svg xmlns="http://www.w3.org/2000/svg" width="{width:.0f}" height="{height:.0f}">'

@@ -97,8 +97,9 @@ class Scenario:
     final_heading: float | None
     order: Order
     closed: bool
-    # Whether numbers beyond a full turn are known to be radians, and so give no warning. Those of a
-    # scenario are known to be radians: `replace` passes this default on.
+    # Whether headings beyond a full turn are known to be radians, and so give no warning. Those of
+    # a scenario are: `dataclasses.replace` passes this default. A caller's `Scenario(...)` has the
+    # default of `__init__`, which is False.
     _radians: InitVar[bool] = True
 
     def __init__(
@@ -303,8 +304,8 @@ class Scenario:
     def one_free_leg(self) -> bool:
         """Whether this is the paper's problem.
 
-        It is for solvers, which may not know the kinds' answers. Everything else asks
-        `study.kinds.table`.
+        Solvers ask this property, since they must not import the kinds, which know the answers. All
+        other code asks `study.kinds.table`.
         """
         return not any(self.given)
 
@@ -312,7 +313,9 @@ class Scenario:
     def given(self) -> tuple[bool, ...]:
         """Which of the fields of `OPTIONAL` are given.
 
-        One flag for each: whether it differs from the paper's problem.
+        A flag for each field, in their order. It is true if the scenario differs there from the
+        paper's problem. A closed path ends with its start heading: if that is given, so is the
+        final heading.
         """
         free_start = self.heading is None
         return (
@@ -329,7 +332,7 @@ class Scenario:
     def needs(self) -> tuple[str, ...]:
         """Needs that a solver must be able to take.
 
-        They are keys of `study.words.NEEDS`.
+        They are keys of `study.words.NEEDS`, such as `via points` or `free final heading`.
         """
         has = dict(zip(OPTIONAL, self.given, strict=True))
         return tuple(need for need, (name, given) in NEEDS.items() if has[name] == given)
@@ -362,7 +365,8 @@ DEFAULTS: dict[str, Any] = {
 OPTIONAL = ("via", "searched", "final_heading", "via_heading", "free_start", "order", "closed")
 POSITIVE = ("radius", "speed")
 HEADINGS = ("heading", "final_heading")
-# the same text for all numbers, so that Python warns once a line, also of an integrated heading
+# The text contains no value: so Python warns once for each line of code, even if a loop there makes
+# many headings.
 DEGREES = (
     "is a number of more than a full turn, taken as radians; if it is in degrees, write the "
     "unit, such as '90deg'"
@@ -440,9 +444,10 @@ def _closed(value: Any) -> bool:
 def _refuse_target(
     closed: bool, target_x: Any, target_y: Any, final_heading: Any, via: tuple[Any, ...]
 ) -> None:
-    """Refuse targets that contradict the scenario's end.
+    """Refuse a target where the scenario may have none.
 
-    A closed path, and a tour that may end at any point, must pass a point.
+    That is a closed path, or a tour that may end at any point. Both need a via point too: `passes`
+    says whether there is one.
     """
     fields = {"target_x": target_x, "target_y": target_y, "final_heading": final_heading}
     for name, value in fields.items():
@@ -464,7 +469,8 @@ def _check_neighbours(
 ) -> None:
     """Refuse a leg between equal points.
 
-    Such a leg has no length to be driven.
+    The points go from the start to the target. In a tour any two of them may be a leg, so that all
+    have to differ; only the target may be the start.
     """
     back = target == points[0]
     if order is Order.FREE:

@@ -44,7 +44,8 @@ if TYPE_CHECKING:
 def scenario_column_problems(names: Sequence[Any]) -> list[str]:
     """Problems of a scenario table's column names.
 
-    Each problem is a sentence.
+    Each problem is a sentence. The target's columns are required, unless the table has a column of
+    `TOUR`.
     """
     required = [name for name in COLUMNS if name not in DEFAULTS and not {*TOUR} & {*names}]
     return column_problems(names, required, [name for name in COLUMNS if name not in required])
@@ -85,9 +86,10 @@ def check_frame(frame: pd.DataFrame) -> pd.DataFrame:
 
 
 def _columns_of_numbers(frame: pd.DataFrame) -> dict[str, Any] | None:
-    """Columns of a frame of plain legs.
+    """Columns of a frame of plain legs, by name.
 
-    Each column is checked as a whole. None if the rows have to be read one by one.
+    Each column is checked as a whole array. None if the rows have to be read one by one: if a row
+    is no plain leg, holds a text for a number, or may be wrong.
     """
     n = len(frame)
     if not n or any(name in frame and frame[name].notna().any() for name in ("via", *VIA)):
@@ -105,7 +107,7 @@ def _columns_of_numbers(frame: pd.DataFrame) -> dict[str, Any] | None:
         columns["label"] = _labels(frame)
     if columns["label"] is None:
         return None
-    # as if one row had the largest coordinates and the smallest radius, which few frames have
+    # stricter than the rule for a row: the largest coordinates of all beside the smallest radius
     places = [columns[name] for name in ("x", "y", "target_x", "target_y")]
     worst = sum(max(abs(place.min()), abs(place.max())) for place in places)
     if worst > LARGEST_EXTENT * columns["radius"].min():
@@ -115,9 +117,9 @@ def _columns_of_numbers(frame: pd.DataFrame) -> dict[str, Any] | None:
 
 
 def _orders(codes: Any) -> Any:
-    """Column of orders, from their places in `Order`.
+    """Categorical column of orders.
 
-    It takes a byte a row.
+    `codes` are places in `Order`: 0 given, 1 free. The column takes a byte a row.
     """
     import pandas as pd
 
@@ -127,11 +129,12 @@ def _orders(codes: Any) -> Any:
 def _doubles(frame: pd.DataFrame, name: str) -> FloatArray | None:
     """Column of numbers as read-only doubles.
 
-    None if one of them is refused, or is a text.
+    A column that the frame lacks holds its default. None if a value is missing, out of range, or a
+    text.
     """
     if name not in frame:
         number = np.array(DEFAULTS.get(name), np.float64)  # None becomes NaN
-        # takes no memory
+        # a view of one number, which takes no memory
         return np.broadcast_to(number, len(frame))
     if frame[name].dtype.kind not in "iuf":
         return None
@@ -168,12 +171,13 @@ def _labels(frame: pd.DataFrame) -> pd.Series[Any] | None:
 def _columns_row_by_row(frame: pd.DataFrame) -> dict[str, Any]:
     """Columns of any frame, read row by row.
 
-    The first row that no scenario may have is refused.
+    Returns the columns by name. The first row that is no scenario raises a `ScenarioError` with the
+    row's name.
     """
     import pandas as pd
 
     row_scenarios = []
-    checked = {*COLUMNS} <= {*frame.columns}  # as this module returns it: NaN is a free heading
+    checked = {*COLUMNS} <= {*frame.columns}  # as `check_frame` returns it: NaN is free
     for row, values in enumerate(frame.itertuples(index=False, name=None)):
         fields = dict(zip(frame.columns, values, strict=True))
         try:
@@ -224,9 +228,9 @@ def with_final_headings(frame: pd.DataFrame) -> bool:
 
 
 def row_name(frame: pd.DataFrame, row: int) -> str:
-    """Name of a frame's row in messages.
+    """Name of a frame's row, such as `row 7`.
 
-    It is the row's label.
+    Messages use it. The number or text is the row's label in the frame's index.
     """
     label = frame.index[row]
     if isinstance(label, np.generic):
@@ -243,12 +247,14 @@ def scenarios(frame: pd.DataFrame) -> Iterator[Scenario]:
 def scenario_of(row: Mapping[Any, Any]) -> Scenario:
     """Scenario of a row.
 
-    The row has the columns of `COLUMNS`, or some of them.
+    The row has the columns of `COLUMNS`, or some of them. A cell `via` stands for those of `VIA`.
+    An empty start heading is free.
     """
     fields: dict[str, Any] = {name: row[name] for name in NUMBERS if name in row}
     for name in ("label", "final_heading", *TOUR):
         if not is_missing(row.get(name)):
             fields[name] = row[name]
+    # an empty cell of these becomes None; `Scenario` refuses one of another number
     may_lack = ["heading"]
     if fields.get("closed") or fields.get("order", Order.GIVEN) != Order.GIVEN:
         may_lack += ["target_x", "target_y"]
@@ -332,6 +338,7 @@ def solve_command(row: Mapping[Any, Any]) -> str:
     texts = {name: number_text(getattr(s, name)) for name in POSITIVE}
     texts |= {name: str(row[name]) for name in ("branch", "profile") if name in row}
     for name, text in texts.items():
+        # the command's defaults need not be written
         if text not in ("1", "best", "default"):
             words += [f"--{name}", text]
     if row.get("time_limit_s") is not None:

@@ -87,7 +87,8 @@ MOST_SPECS = 1000
 def written_out(spec: str) -> list[str]:
     """Specs that a spec with braces stands for.
 
-    There is one for each combination of the choices in braces, such as `n={10,20}`.
+    There is one for each combination of the choices in braces: `qp[n={10,20}]` stands for
+    `qp[n=10]` and `qp[n=20]`.
     """
     texts = _BRACES.split(spec)  # every second one stood in braces
     if re.search("[{}]", "".join(texts)) or spec.count("[") != spec.count("]"):

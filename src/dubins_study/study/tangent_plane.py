@@ -41,9 +41,9 @@ class TangentPlane:
     longitude: float
 
     def to_plane(self, degrees: ArrayLike) -> FloatArray:
-        """Metres east and north of the middle.
+        """Plane points of longitudes and latitudes (degrees).
 
-        They belong to longitudes and latitudes (degrees); shape (n, 2).
+        Both have the shape (n, 2). A plane point is metres east and north of the middle.
         """
         east_north = []
         for longitude, latitude in np.asarray(degrees, dtype=float).reshape(-1, 2).tolist():
@@ -77,7 +77,7 @@ class TangentPlane:
     def on_earth(self, points: ArrayLike) -> Iterable[tuple[float, float, float]]:
         """Longitude, latitude (degrees) and convergence (rad).
 
-        One triple for each point.
+        One triple for each plane point; `convergence` has the meaning of the third.
         """
         for x, y in np.asarray(points, dtype=float).reshape(-1, 2).tolist():
             azimuth = math.degrees(math.atan2(x, y))
@@ -122,6 +122,7 @@ def middle_of(degrees: ArrayLike) -> TangentPlane:
     Points on both sides of the meridian of 180 degrees have a middle between them.
     """
     longitude, latitude = np.asarray(degrees, dtype=float).reshape(-1, 2).T
+    # each longitude within half a turn of the first one
     turned = longitude[0] + (longitude - longitude[0] + 180) % 360 - 180
     east = 0.5 * (turned.min() + turned.max())
     return TangentPlane(0.5 * (latitude.min() + latitude.max()), math.remainder(east, 360))

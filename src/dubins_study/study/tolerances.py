@@ -26,7 +26,8 @@ DRIVEN = 32.0 * EPS
 # may be undecided, but never wrong.
 SEARCH_S = 20.0
 PATIENCE = 5.0
-# for a single solve, whose caller waits: the rest is for steps that do not check the clock
+# `patience` of a single solve, whose caller waits. The rest of its time limit is for steps that do
+# not look at the clock.
 _PATIENCE_OF_ONE = 0.8
 
 
@@ -46,7 +47,10 @@ class Tolerances:
     until: float = math.inf  # of `perf_counter`: when the check ends
 
     def begun(self) -> Tolerances:
-        """Tolerances of a check that begins now."""
+        """Tolerances of a check that begins now.
+
+        `until` is set to the check's end; an earlier one stays.
+        """
         end = perf_counter() + self.patience * self.search_s
         return replace(self, until=min(end, self.until))
 

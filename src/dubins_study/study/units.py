@@ -13,12 +13,13 @@ _DEGREES = np.array([180.0, 90.0])  # of longitude and latitude
 def doubtful_units(scenario: Scenario) -> str | None:
     """Warning about the units of a route's points.
 
-    It says why they look odd beside the radius, and how they are understood. None if they look
-    right.
+    The text says why the points look odd beside the radius, and how they are understood. None if
+    they look right.
 
-    Points of a mission in degrees, or in kilometres beside a radius in metres, lie within a small
-    part of the radius. Dense tracks lie within a radius too, but hardly ever within the ranges of
-    longitude and latitude with a radius above 1. The start may be a default, and does not count.
+    Points look odd if all lie within `_TOGETHER` radii of each other, as degrees do, or kilometres
+    beside a radius in metres. Points that may be longitudes and latitudes, with a radius above 1,
+    look odd within one radius already: a dense track hardly ever has such numbers. The start may be
+    a default, and does not count.
     """
     if scenario.legs < 2:
         return None

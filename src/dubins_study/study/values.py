@@ -53,7 +53,7 @@ def number_of_text(text: str) -> float:
 def doubles(name: str, values: Any) -> FloatArray:
     """Numbers as an array of native doubles.
 
-    Masked numbers are NaN.
+    Masked numbers are NaN. Anything but numbers is a TypeError with the array's name.
     """
     if type(values) is np.ndarray and values.dtype == np.float64 and values.dtype.isnative:
         return values
@@ -89,7 +89,7 @@ def real_array(name: str, values: Any, shape: tuple[int, ...]) -> FloatArray:
 def plain(text: str, kept: str = "") -> str:
     """Text on one line, without unprintable characters.
 
-    They are written as Python writes them, except for those in `kept`.
+    Each of these is replaced by its escape in Python's notation. Those in `kept` stay.
     """
     if text.isprintable():
         return text
@@ -179,7 +179,7 @@ def nearest(name: object, known: Iterable[str]) -> str | None:
 def did_you_mean(name: object, known: Iterable[str]) -> str:
     """Hint such as `did you mean 'ipopt'? `.
 
-    It stands before the list of all names. It is empty if no name is near.
+    It is empty if no name is near. It ends with a space, since a list of all names follows it.
     """
     match = nearest(name, known)
     if match is None:

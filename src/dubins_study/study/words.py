@@ -236,7 +236,7 @@ class Order(StrEnum):
     FREE = "free"
 
     def __repr__(self) -> str:
-        return repr(str(self))  # which reads back in a scenario's
+        return repr(str(self))  # in a scenario's repr it then reads back
 
 
 class Outcome(StrEnum):
@@ -308,6 +308,7 @@ def short_word(word: str, most: int = 60) -> str:
     """
     if len(word) <= most:
         return word
+    # cut between two legs, if the beginning has several
     beginning = word[:most].rpartition(" ")[0] or word[:most]
     legs = len(word.split(" "))
     count = f"{len(word)} letters"

@@ -93,9 +93,10 @@ def enclose(scenario: Scenario, branch: str = "best") -> Enclosure:
 
 
 class _Way(NamedTuple):
-    """Way from a start to an end.
+    """Way from a start to an end, in radii.
 
-    It is in radii, also in the start's frame, with the size of its data.
+    It is (x, y), and (X, Y) in the start's frame. `extent` is the sum of the sizes of all four
+    coordinates.
     """
 
     x: arb
@@ -302,8 +303,8 @@ def right_left_solutions(X: arb, Y: arb, inside: bool) -> tuple[list[arb], list[
 def _turns(angle: arb, positive: bool | None) -> list[int]:
     """Turns that bring an angle to [0, 2 pi).
 
-    There are several numbers where the ball allows them. Next to zero the angle has the sign that
-    is given.
+    Returns numbers of whole turns, several where the ball allows them. `positive` is the sign of an
+    angle next to zero, None if it is unknown.
     """
     parts = angle / (2 * arb.pi())
     nearest = round(float(parts.mid()))
@@ -414,6 +415,7 @@ def enclose_pose(start: Pose, end: Pose, radius: float, branch: str = "best") ->
 
 
 def _ends(start: Pose, end: Pose, radius: float) -> _Ends:
+    """All ends within delta of the exact one."""
     way = _way(start, end.x, end.y, radius)
     delta = PER_EXTENT * way.extent + PER_DISTANCE * (abs(way.x) + abs(way.y)) + PER_HEADINGS
     blur = delta.union(-delta)
@@ -459,9 +461,9 @@ def _square(x: arb, y: arb) -> arb:
 
 
 def _lengths(word: str, ends: _Ends, signs: _Signs) -> list[arb]:
-    """Lengths of a word.
+    """Lengths of a word, to ends with these signs.
 
-    One of them is the end's; there are none where the word does not exist.
+    For every end, one of them is the length. The list is empty where the word does not exist.
     """
     if word in ("RSR", "RSL", "RLR"):
         ends = ends.mirrored

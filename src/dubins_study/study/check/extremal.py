@@ -128,6 +128,7 @@ def _word(u: list[float], length: list[float], free: bool) -> Word | None:
     if max(off) > FULL_RATE or distance > allowed:
         return None
     arcs = list(zip(rates, length, strict=True))
+    # S begins with an arc of no length; CC to a given heading has a straight of none in between
     if arcs[0][0] == 0.0:
         arcs.insert(0, _NO_PIECE)
     if len(arcs) == 2 and arcs[1][0] != 0.0 and not free:
@@ -164,6 +165,7 @@ def pieces(rate: list[float], length: list[float]) -> tuple[list[float], list[fl
 
 
 def _merged(rate: FloatArray, scaled: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Rates and lengths of the merged path of `pieces`."""
     whole = np.clip(np.round(rate), -1, 1)
     u, length = _joined(np.where(np.abs(rate - whole) <= FULL_RATE, whole, rate), scaled)
     turns = np.abs(u) * length > NO_TURN
@@ -228,6 +230,7 @@ def extremal(heading: float, u: list[float], length: list[float], free: bool) ->
         rows += path_conditions.ends
     # rows of zeros keep the matrix as high as it is wide
     matrix = np.array([*rows, *[(0.0,) * 4] * 3])
+    # the vector of length 1 that violates the conditions least
     null_vector = np.linalg.svd(matrix, full_matrices=False)[2][-1].tolist()
     size = max(abs(null_vector[0]), math.hypot(null_vector[1], null_vector[2]))
     if not size > 0:

@@ -66,9 +66,9 @@ def route_extremal(
 def _jumps(legs: Sequence[Conditions], free: bool) -> list[int]:
     """Legs before which nu3 may jump.
 
-    They are where a chain of single arcs from a given heading ends. A single arc to a point on the
-    turning circle of a given heading is shorter than all paths of other headings there by up to a
-    turn. So that heading is as good as given.
+    A leg counts if only single arcs lie between its start and a given heading: the first one, or
+    the final one. A single arc to a point on the turning circle of a given heading is shorter than
+    all paths of other headings there by up to a turn. So that heading is as good as given.
     """
     arcs = [len(leg.hamiltonian) == len(leg.arcs) == 1 for leg in legs]
     jumps = list(takewhile(lambda i: arcs[i - 1], range(1, len(legs))))
@@ -80,7 +80,10 @@ def _jumps(legs: Sequence[Conditions], free: bool) -> list[int]:
 def _measure(
     legs: Sequence[Conditions], free: bool, heading: float, jumps: Sequence[int], until: float
 ) -> Extremal | None:
-    """Residuals of the costates that fit best."""
+    """Costates that fit best, with residuals.
+
+    None where `route_costates` has none.
+    """
     fitted = route_costates(legs, free, jumps, until)
     if fitted is None:
         return None
@@ -108,7 +111,8 @@ def _measure(
 def route_legs(path: Path, at: Sequence[float], radius: float) -> Iterator[Conditions | None]:
     """Conditions of each leg.
 
-    They are seen from where the leg begins, in the frame of the path's start.
+    Positions are seen from where the leg begins, in the frame of the path's start. None for a leg
+    whose conditions overflow.
     """
     rate = path.curvatures * radius
     ends = np.concatenate(([0.0], np.cumsum(path.lengths))) / radius
@@ -116,6 +120,7 @@ def route_legs(path: Path, at: Sequence[float], radius: float) -> Iterator[Condi
     cuts = np.array([0.0, *at, ends[-1] * radius]) / radius
     after = np.clip(np.searchsorted(ends, cuts), 1, rate.size)
     before = after - 1
+    # a cut beside the end of a piece is moved there
     nearest = np.where(cuts - ends[before] <= ends[after] - cuts, ends[before], ends[after])
     cuts = np.where(np.abs(nearest - cuts) <= _BESIDE, nearest, cuts)
     for begin, end in pairwise(cuts.tolist()):
@@ -133,9 +138,9 @@ def route_costates(
 ) -> FloatArray | None:
     """Costates of each leg, shape (n, 3).
 
-    nu1 and nu2 of the leg, and nu3 at its end, in the frame of the path's start. nu3 may jump
-    before the legs `jumps`. None if the linear programs cannot be solved, or are not by the time
-    `until`.
+    The columns are nu1, nu2, and nu3 at the leg's end, in the frame of the path's start. nu3 may
+    jump before the legs `jumps`. None if the linear programs cannot be solved, or are not by the
+    time `until`.
     """
     equations, constants = _equations(legs, free, jumps)
     n = equations.shape[1]
@@ -187,6 +192,7 @@ def _equations(
             rows.append((i, 0.0, tuple(c / leg.stretch for c in (-1.0, *leg.start[1:]))))
     if free:
         rows.append((len(legs) - 1, 0.0, (0.0, 0.0, 0.0, 1.0 / legs[-1].stretch)))
+    # nu3 of the leg before stands just before the three numbers of a leg
     columns = np.array([3 * i for i, _, _ in rows])[:, None] + np.arange(-1, 3)
     constants = np.array([constant for _, constant, _ in rows])
     return _matrix([row for _, _, row in rows], columns, 3 * len(legs)), constants
@@ -206,9 +212,10 @@ def _signs(headings: Sequence[tuple[int, float]], n: int) -> coo_array:
 def _matrix(rows: Sequence[tuple[float, ...]], columns: IntArray, n: int) -> coo_array:
     """Sparse matrix of n columns.
 
-    Each row has numbers in some columns.
+    `rows` has the numbers of each row, and `columns` where they stand, shape (rows, numbers).
     """
     numbers = np.array(rows, np.float64).reshape(columns.shape)
+    # a column of -1 belongs to no leg; its number is 0 and may be added anywhere
     row_places = np.repeat(np.arange(len(rows)), columns.shape[1])
     places = row_places, np.maximum(columns, 0).ravel()
     return coo_array((numbers.ravel(), places), shape=(len(rows), n))

@@ -53,6 +53,7 @@ def visited(scenario: Scenario, visits: Visits, end: Pose) -> Scenario:
         if scenario.final_heading is not None:
             moved["final_heading"] = end.heading
         stops.append(end[:2])
+    # stops that follow each other at one place are one; in a tour any stops at one place
     way = [next(same) for _, same in groupby([begin, *stops], key=itemgetter(0, 1))]
     if scenario.order is Order.FREE:
         way = list({stop[:2]: stop for stop in way}.values())
@@ -83,7 +84,8 @@ def is_wrong_basin(
 ) -> bool:
     """Whether a longer path is another local optimum.
 
-    It is compared with the optima of some words and net turns.
+    `words` and `turns` (net, rad) are those of the shortest paths. Another optimum is of none of
+    these words and longer by more than `COARSE`, or has another net turn.
     """
     another_word = gap > COARSE and word not in words
     turn = path.turn
@@ -123,8 +125,8 @@ class Seen(NamedTuple):
     end: Pose
     miss: float  # the largest distance from a point, the target among them (length unit)
     turned: float  # the largest angle from a given heading at a point (rad)
-    excess: float
-    arrives: bool
+    excess: float  # curvature beyond what the branch allows (1 / radius)
+    arrives: bool  # at all points, and with the headings given there
 
 
 def visits_of(scenario: Scenario, path: Path, allowed: float) -> Visits:

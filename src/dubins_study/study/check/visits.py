@@ -35,12 +35,12 @@ class Visits(NamedTuple):
     """Visits of a path to points.
 
     Args:
-        at: arc lengths (length unit) at which it is nearest to each, not decreasing.
+        at: arc lengths (length unit) at which the path is nearest to each point, not decreasing.
         poses: the position of each visit, and the heading there (rad, not wrapped).
         order: the places of the points in the scenario, in the order of their visits.
-        miss: the largest distance by which it misses a point (length unit), 0 without points. After
-            a point that is not visited, it is the least distance on the rest of the path.
-        turned: the largest angle by which it misses a heading that is given there (rad).
+        miss: the largest distance by which the path misses a point (length unit), 0 without points.
+            Of a point that is not visited, it is the least distance on the rest of the path.
+        turned: the largest angle between the path and a heading that is given at a point (rad).
     """
 
     at: tuple[float, ...]
@@ -72,6 +72,7 @@ def visits(
     miss = 0.0
     arc_lengths: list[float] = []
     for stop in via:
+        # at: where the path comes within `allowed`; reached: where it then is nearest
         if any_order:
             at = 0.0
         at, reached, distance = pieces.visit(stop, at=at, allowed=allowed / radius)
@@ -96,7 +97,7 @@ def off_heading(given: float | None, heading: float, driven: float) -> float:
     It is 0 where the heading is free.
 
     Args:
-        driven: how far (radii) it was driven, over which headings are rounded.
+        driven: length of the path up to there (radii), over which headings are rounded.
     """
     if given is None:
         return 0.0
@@ -139,6 +140,7 @@ class _Pieces:
             within, nearest, distance = self._passing(
                 slice(begin, end), x, y, at=at, allowed=allowed
             )
+            # pieces in which the path comes within the distance, and in which it then is nearest
             chosen = None
             for first in np.flatnonzero(~np.isnan(within)).tolist():
                 last = first
@@ -152,6 +154,7 @@ class _Pieces:
                     break
                 if chosen is None and end == n:  # the first one counts if none has the heading
                     chosen = first, last
+            # beyond the pieces that were searched the path may still come nearer
             if chosen is not None and (begin + chosen[1] + 1 < end or end == n):
                 first, last = chosen
                 visited = max(at, float(self.ends[begin + first] + within[first]))
@@ -214,7 +217,7 @@ class _Pieces:
 def cut_out(ends: FloatArray, begin: float, end: float) -> tuple[slice, FloatArray]:
     """Pieces of a path between two arc lengths.
 
-    The length of each between them is returned too.
+    Returns the slice of these pieces, and how much of each lies between the two arc lengths.
 
     Args:
         ends: of n pieces, shape (n + 1,); the first is 0.

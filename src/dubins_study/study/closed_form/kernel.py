@@ -85,7 +85,7 @@ def prepared(
 ) -> tuple[list[FloatArray], Rows]:
     """Columns as loops read them, and output rows.
 
-    The rows are new ones if `out` is None.
+    The rows are `out`, or new ones if `out` is None. Arrays of other shapes are a ValueError.
     """
     arrays = [loop_input(column) for column in columns]
     n = arrays[0].size
@@ -126,9 +126,10 @@ def shortest_rows(*columns: ArrayLike, branch: str = "best", out: Rows | None = 
 def to_local_exactly(
     x: float, y: float, heading: float, tx: float, ty: float, radius: float
 ) -> tuple[float, float, float]:
-    """`body_coordinates.local` to the bit.
+    """`body_coordinates.local` of a scenario, to the bit.
 
-    It holds for every heading and radius, by libm and divisions.
+    Returns X, Y and delta, for every heading and radius. The C library's functions and divisions
+    compute them.
     """
     dx, dy = tx - x, ty - y
     sine, cosine = math.sin(heading), math.cos(heading)
@@ -180,6 +181,7 @@ def _word(a: float, b: float, arcs: bool, right: bool) -> int:
 
     Letters without length are left out.
     """
+    # places in `WORDS`: S 1, L 2, R 3, LS 4, RS 5, LR 6, RL 7
     # the second letter of RL and LR is the first one's opposite
     start_right = right != arcs
     if a > 0.0 and b > 0.0:

@@ -55,7 +55,7 @@ class _Announcement(event.Listener):
         part = next((part for part in _PARTS if module.startswith(f"{_PACKAGE}.{part}")), None)
         announced = self.announced & {part}
         if part == "study":
-            # the check of rows is compiled with the loops over them, of whichever legs
+            # the loops of the check are compiled after those over legs of either kind: one warning
             announced = self.announced - {"study.route"}
         if part is None or announced or self.depth > 1:
             return
@@ -118,7 +118,8 @@ def inlined(function: Function) -> Function:
 def separate(function: Function) -> Function:
     """Compile a function separately, by Numba.
 
-    It is for rows that a vector loop leaves.
+    Compiled loops call it, and it is not inlined: for the few rows that a vector loop leaves, and
+    for long functions.
     """
     return cast(Function, numba.njit(error_model="numpy")(_with_callees(function)))
 

@@ -141,11 +141,13 @@ def word_in_body(
 # In these three (x1, y1) is the last arc's centre seen from the first one's, in the start's frame.
 # (x2, y2) is the same vector in the frame in which the path driven backwards is a path of such a
 # word. So where the centres are close and neither arc is known well, the sum of both arcs still is.
+# s and c are the sine and cosine of the end's heading in the start's frame.
 
 
 def _left_straight_left(
     X: float, Y: float, s: float, c: float, delta: float
 ) -> tuple[float, float, float]:
+    """Segments of LSL, as `word_in_body`."""
     half = 0.5 * delta
     x1, y1 = X - s, Y + (c - 1.0)
     x2, y2 = x1 * c + y1 * s, x1 * s - y1 * c
@@ -160,6 +162,7 @@ def _left_straight_left(
 def _left_straight_right(
     X: float, Y: float, s: float, c: float, delta: float
 ) -> tuple[float, float, float]:
+    """Segments of LSR, as `word_in_body`."""
     half = 0.5 * delta
     x1, y1 = X + s, Y - (c + 1.0)
     x2, y2 = x1 * c + y1 * s, y1 * c - x1 * s
@@ -181,6 +184,7 @@ def _left_straight_right(
 def _left_right_left(
     X: float, Y: float, s: float, c: float, delta: float
 ) -> tuple[float, float, float]:
+    """Segments of LRL, as `word_in_body`."""
     half = 0.5 * delta
     x1, y1 = X - s, Y + (c - 1.0)
     x2, y2 = x1 * c + y1 * s, x1 * s - y1 * c

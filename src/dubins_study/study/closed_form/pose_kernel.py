@@ -117,6 +117,10 @@ def _exactly(i: int, word: int, legs: PoseArrays, rows: Rows) -> None:
 
 @inlined
 def _write(i: Index, t: float, p: float, q: float, code: int, R: float, rows: Rows) -> None:
+    """Write row i of `rows`, in the length unit.
+
+    Segments t, p, q are in radii; `code` is the word's.
+    """
     length, segments, word = rows
     segments[0, i] = t * R
     segments[1, i] = p * R
@@ -330,6 +334,7 @@ def _best_block(
         rows_left += not (length[i] <= LARGEST)
     count = 0
     for j in range(n):
+        # always written, and overwritten if RLR and LRL cannot be shorter
         waiting[count] = j
         count += least[j] <= best[j]
     for k in range(count):
@@ -339,6 +344,7 @@ def _best_block(
     # up to a whole number of vectors: a remainder would be computed one by one
     for k in range(min((count + 15) // 16 * 16, CHUNK)):
         t, p, q, code, clear = _curves_only(X[k], Y[k], sine[k], cosine[k], turn[k], best[k])
+        # from here on the scratch arrays hold these instead
         X[k], Y[k], sine[k], cosine[k], turn[k] = t, p, q, code, clear
     for k in range(count):
         i = low + np.uint64(waiting[k])

@@ -20,8 +20,9 @@ from dubins_study.study.words import TURN
 class Shortest(NamedTuple):
     """Shortest path of a branch.
 
-    It has a word, segments, and every word that ties with it. The word has the letters whose
-    segments have a length. Segments are in units of the radius (for an arc: its angle in rad).
+    `word` has the letters whose segments have a length; `segments` has the others too, as zeros.
+    Segments are in units of the radius (for an arc: its angle in rad). `words` are the words of all
+    paths that are as short, `word` first.
     """
 
     word: str
@@ -152,6 +153,7 @@ def shortest_local(target: Local, branch: str = "best") -> Shortest | None:
     shortest = named(letters, (first, second))
     if not (on_axis and first > 0.0):
         return shortest
+    # straight behind the mirror image is as short
     return shortest._replace(words=(shortest.word, shortest.word.replace("L", "R")))
 
 

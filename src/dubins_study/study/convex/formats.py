@@ -20,9 +20,10 @@ _Part = tuple[str, csr_array, FloatArray]
 
 
 def _one_sided(problem: Problem) -> list[_Part]:
-    """Rows with one end each, by kind.
+    """Rows with one end each, in three parts.
 
-    The kinds are those of QPS.
+    The parts are equations (E), rows with an upper end (L) and rows with a lower end (G), as QPS
+    names them. A row with two ends is in two parts; an infinite end is left out.
     """
     ends = {"E": problem.u, "L": problem.u, "G": problem.l}
     masks = {"E": problem.equal, "L": ~problem.equal, "G": ~problem.equal}
@@ -82,7 +83,8 @@ def cbf_text(problem: Problem) -> str:
         parts.append(("Q", problem.C[cone], problem.d[cone]))
     cost = problem.q
     bent = np.flatnonzero(problem.p)
-    if bent.size:  # v, 1, and the roots in the cone 2 a b >= |c|^2
+    # the cone 2 a b >= |c|^2 with a = v, b = 1 (the constant), and c_i = sqrt(p_i) x_i
+    if bent.size:
         places = np.append(0, 2 + np.arange(bent.size)), np.append(n, bent)
         values = np.append(1.0, np.sqrt(problem.p[bent]))
         cone = csr_array((values, places), shape=(2 + bent.size, n + 1))
@@ -111,9 +113,9 @@ def _wider(matrix: csr_array) -> csr_array:
 
 
 def _numbered(entries: Any) -> list[tuple[Any, ...]]:
-    """Places and value of each entry.
+    """Entries of a sparse array, as tuples.
 
-    The entries are those of a sparse array.
+    A tuple has the entry's place on each axis, then its value: (row, column, value) in a matrix.
     """
     parts = [*entries.coords, entries.data]
     return list(zip(*(part.tolist() for part in parts), strict=True))

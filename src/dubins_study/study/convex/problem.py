@@ -111,7 +111,7 @@ class Problem:
         return int(2 * self.q.size + self.l.size + self.d.size)
 
     def split(self, numbers: FloatArray) -> Point:
-        """Point from its `numbers`, one array after the other."""
+        """Point from its numbers: x, y, z, then w."""
         m, n = self.A.shape
         return Point(*np.split(numbers, (n, n + m, 2 * n + m)))
 
@@ -177,6 +177,6 @@ def read(name: str) -> Problem:
 def posed(name: str) -> Problem:
     """Problem without its answer, as engines get it.
 
-    Errors are those of `read`.
+    `interior`, x, y, z and w are empty arrays. Errors are those of `read`.
     """
     return replace(read(name), **dict.fromkeys(("interior", *Point._fields), np.zeros(0)))

@@ -27,9 +27,10 @@ _STEPS = 12  # tries, each with a step ten times as large
 
 
 class Residuals(NamedTuple):
-    """Largest violations of a point.
+    """Largest violations of a primal and dual point.
 
-    They are those of the constraints, of stationarity and signs, and the gap.
+    `primal` is that of the constraints, `dual` that of stationarity and of the multipliers' signs.
+    `gap` is the difference of both objectives.
     """
 
     primal: float
@@ -63,21 +64,23 @@ def _largest(values: FloatArray) -> float:
 def _paid(multipliers: FloatArray, low: FloatArray, high: FloatArray) -> float:
     """Sum of multipliers times their ends.
 
-    A multiplier's end is the one that it pushes at. Infinite ends count as zero.
+    A positive multiplier belongs to the upper end, a negative one to the lower end. Infinite ends
+    count as zero.
     """
     ends = np.where(multipliers > 0, high, low)
     return float(multipliers @ np.where(np.isinf(ends), 0.0, ends))
 
 
 def _parts(cones: Any) -> list[slice]:
+    """Places of each cone's numbers, from the cones' sizes."""
     ends = np.cumsum(cones).tolist()
     return [slice(end - size, end) for size, end in zip(cones.tolist(), ends, strict=True)]
 
 
 def _outside(values: FloatArray, cones: Any) -> FloatArray:
-    """Violation of each cone.
+    """Violation of each cone, negative inside.
 
-    It is the excess of the norm over the first number.
+    It is the norm of the other numbers less the first number.
     """
     blocks = [values[part] for part in _parts(cones)]
     return np.array([np.linalg.norm(block[1:]) - block[0] for block in blocks])
@@ -104,9 +107,10 @@ def upper_bound(problem: Problem, x: FloatArray) -> float:
 
 
 def closing_columns(problem: Problem) -> dict[int, tuple[int, float]]:
-    """Column that closes each equation.
+    """Column that closes each equation, and its coefficient.
 
-    The column stands in no other row and costs nothing. Its coefficient is returned with it.
+    The result is by row. The column's variable stands in no other row and costs nothing. An
+    equation without such a column is left out.
     """
     columns = problem.A.tocsc()
     alone = np.flatnonzero((np.diff(columns.indptr) == 1) & (problem.p == 0) & (problem.q == 0))
@@ -116,7 +120,10 @@ def closing_columns(problem: Problem) -> dict[int, tuple[int, float]]:
 
 
 def _closed(problem: Problem, x: FloatArray) -> FloatArray:
-    """Point with its equations closed, up to rounding."""
+    """Copy of x that closes the equations.
+
+    They hold up to rounding.
+    """
     closing = closing_columns(problem)
     rows = list(closing)
     columns = [column for column, _ in closing.values()]
@@ -127,9 +134,9 @@ def _closed(problem: Problem, x: FloatArray) -> FloatArray:
 
 
 def _step(problem: Problem, x: FloatArray, inside: FloatArray) -> float:
-    """Share of the way inside that is needed.
+    """Least step from x towards a point inside.
 
-    After it all rows and cones hold, up to rounding.
+    The step is a share of the way. After it all rows, bounds and cones hold, up to rounding.
     """
     rows = ~problem.equal
 
@@ -141,6 +148,7 @@ def _step(problem: Problem, x: FloatArray, inside: FloatArray) -> float:
 
     before = room(x)
     after = room(inside)
+    # violated at x, and less at the other point
     short = before < np.minimum(after, 0.0)
     shares = before[short] / (before[short] - after[short])
     return float(np.max(shares, initial=0.0)) + _LEAST_STEP
@@ -224,6 +232,7 @@ def _least(p: Any, g: Any, low: Any, high: Any) -> Any:
 
     It bounds p x^2 / 2 + g x over low <= x <= high.
     """
+    # it only grows, it only falls, it has its vertex somewhere, or it is a line
     if p * low + g >= 0:
         return (p * low / 2 + g) * low
     if p * high + g <= 0:
@@ -295,7 +304,10 @@ def judge_convex(
 def _measure(
     problem: Problem, point: Point, tolerance: float, low: float, high: float
 ) -> tuple[Verdict, dict[str, float]]:
-    """Verdict on a point of finite numbers, with judgement columns."""
+    """Verdict on a point of finite numbers, with judgement columns.
+
+    The columns `length` and `gap` are left out if the point misses.
+    """
     primal, dual, gap = residuals(problem, point)
     value = upper_bound(problem, point.x)
     scale = max(1.0, abs(low))

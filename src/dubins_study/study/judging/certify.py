@@ -102,9 +102,10 @@ def certify(
 
 
 def _columns(costates: Extremal | None, multipliers: tuple[float, float] | None) -> dict[str, Any]:
-    """Columns of the costates in a row.
+    """Columns of a row about the costates.
 
-    They include the distance of the multipliers from the costates.
+    `costate_error` is the distance of the solver's multipliers from -(nu1, nu2). There are no
+    columns if the costates are unknown.
     """
     if costates is None:
         return {}

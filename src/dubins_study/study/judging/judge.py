@@ -33,7 +33,7 @@ def judge(
         verdict = Verdict.MISSES
         if path is None:
             verdict = Verdict.NONE
-            # the best path always exists, and nothing has to be searched for
+            # a denial of the best path is false, since one always exists: no reference is needed
             denied = claim in DENIALS and branch != "best"
             if denied and kind.reference(scenario, branch, tolerances).enclosure.absent:
                 verdict = Verdict.NONE_EXISTS

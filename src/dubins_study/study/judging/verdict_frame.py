@@ -108,7 +108,11 @@ class FrameJudgement(NamedTuple):
 
     @classmethod
     def empty(cls, n: int) -> FrameJudgement:
-        """Room for n rows; none is a wrong basin."""
+        """Arrays for n rows.
+
+        The flags are False, so that no row is a wrong basin; all other values are still to be
+        written.
+        """
         codes = np.empty((4, n), np.uint8)
         numbers = np.empty((7, n))
         flags = np.zeros((2, n), bool)
@@ -119,8 +123,8 @@ class FrameJudgement(NamedTuple):
 class _Best(NamedTuple):
     """Shortest paths of n rows."""
 
-    word: CodeArray  # a row of `_RATES` after the first of its kind, or `NO_PATH`
-    first: int  # the first row of `_RATES` of its kind
+    word: CodeArray  # the word's rates are in row `first + word` of `_RATES`; or `NO_PATH`
+    first: int  # `_FREE` or `_POSED`
     length: FloatArray  # length unit
 
 
@@ -134,7 +138,8 @@ class _Limits(NamedTuple):
     cut: float  # radii, or share of a shorter path; shorter segments have no letter
 
 
-# the rates of three segments of all words: to any heading, then to a given one
+# The rates of three segments of each word: first the words to any heading, then those to a given
+# one. `_FREE` and `_POSED` are the rows at which each kind begins.
 _RATES = np.concatenate((RATES, SIDES))
 _FREE = 0
 _POSED = len(RATES)
@@ -201,7 +206,7 @@ def judge_frame(
 def three_arcs(paths: Paths) -> tuple[FloatArray, FloatArray]:
     """Controls of paths as three arcs, shape (3, n).
 
-    The last arc may have no length.
+    Returns curvatures and lengths. Paths of two arcs get a third one without length.
     """
     none = np.zeros((3 - len(paths.curvatures), len(paths)))
     curvature = np.concatenate([paths.curvatures, none])
@@ -212,7 +217,7 @@ def three_arcs(paths: Paths) -> tuple[FloatArray, FloatArray]:
 def _shortest_free(legs: PoseArrays, branch: str, result: FrameJudgement) -> _Best:
     """Shortest paths to any heading.
 
-    Their words and the targets' regions are written.
+    `reference_word`, `region` and `margin` of `result` are filled.
     """
     rows = shortest_rows(*legs[:-1], branch=branch)
     result.reference_word[:] = rows.word
@@ -223,7 +228,8 @@ def _shortest_free(legs: PoseArrays, branch: str, result: FrameJudgement) -> _Be
 def _shortest_posed(legs: PoseArrays, branch: str, result: FrameJudgement) -> _Best:
     """Shortest paths to the final headings.
 
-    Their words are written.
+    `reference_word` of `result` is filled. Its `region` and `margin` are emptied: they exist only
+    for free final headings.
     """
     rows = pose_rows(*legs, branch=branch)
     best = _Best(rows.word, _POSED, rows.length)
@@ -237,9 +243,10 @@ def _shortest_posed(legs: PoseArrays, branch: str, result: FrameJudgement) -> _B
 def _judge_nothing(
     gone: BoolArray, denied: Any, best: _Best, free: bool, result: FrameJudgement
 ) -> None:
-    """Judge rows without a path.
+    """Judge rows without a path, in place.
 
-    `denied` says whether they claim that a word has none.
+    `gone` is the mask of these rows. `denied` is the mask of rows that claim that the branch has no
+    path. If the closed form has one for such a row, the row is left to `judge`.
     """
     unknown = np.where(best.word == NO_PATH, _NONE_EXISTS, ODD)
     result.verdict[gone] = np.where(denied, unknown, _NONE)[gone]
@@ -254,6 +261,7 @@ def _judge_nothing(
 
 
 def _write(result: FrameJudgement, row: int, judgement: Judgement) -> None:
+    """Write the judgement of one row into the arrays."""
     for name, texts in TEXTS.items():
         text = getattr(judgement, name)
         code = NO_WORD
@@ -269,6 +277,10 @@ def _write(result: FrameJudgement, row: int, judgement: Judgement) -> None:
 
 @inlined
 def _chord(half: float, sine: float, length: float) -> float:
+    """Chord of an arc.
+
+    `half` is half of its turn (rad), `sine` the sine of that.
+    """
     straight = half == 0.0
     ratio = sine / (1.0 if straight else half)
     return length * (1.0 if straight else ratio)
@@ -285,6 +297,7 @@ def _region_and_margin(X: float, Y: float, delta: float) -> tuple[int, float]:
     `shortest.margin_local`.
     """
     y = abs(Y)
+    # w of the nearer turning circle, and -w of the other one
     near, far = y * (2.0 - y) - X * X, y * (2.0 + y) + X * X
     on_circle = (abs(near) <= delta) | (far <= delta)
     disc = 1 if Y >= 0.0 else 2
@@ -295,7 +308,10 @@ def _region_and_margin(X: float, Y: float, delta: float) -> tuple[int, float]:
 
 @threaded
 def _describe(begin: int, end: int, legs: PoseArrays, result: FrameJudgement) -> None:
-    """Write the regions and margins of targets."""
+    """Fill `region` and `margin` of `result`.
+
+    A chunk with a target next to an edge, or with a huge heading, is computed again exactly.
+    """
     x, y, heading, tx, ty, radius, _ = legs
     region = result.region
     margin = result.margin
@@ -314,7 +330,8 @@ def _describe(begin: int, end: int, legs: PoseArrays, result: FrameJudgement) ->
             region[i], margin[i] = _region_and_margin(X, Y, delta)
 
 
-# `_name_rows` writes a word in base 4, a digit for each letter
+# Place of a word in `LEG_WORDS`, by the word's code. `_name_rows` makes such codes: numbers in base
+# 4 with a digit for each letter, 1 for S, 2 for L, 3 for R.
 _CODES = np.zeros(64, np.uint8)
 for _index, _word in enumerate(LEG_WORDS):
     _CODES[int(f"0{_word}".translate(str.maketrans("SLR", "123")), 4)] = _index
@@ -330,10 +347,10 @@ def _name_rows(
     cut: float,
     names: CodeArray,
 ) -> None:
-    """Write the words of paths, as `Kind.words_of` does.
+    """Write the words of paths into `names`.
 
-    The paths have the rates of the shortest ones. `lengths` are those of their segments, shape (3,
-    n).
+    The words are those of `Kind.words_of`, as places in `LEG_WORDS`. The paths have the rates of
+    the shortest ones; `lengths` are those of their segments, shape (3, n).
     """
     for i in range(np.uint64(begin), np.uint64(end)):  # no index counts from the end
         code = best.first + best.word[i] if best.word[i] != NO_PATH else 0
@@ -347,6 +364,7 @@ def _name_rows(
                 continue  # one run with the next
             turns = (rate != 0.0) & (length > WORD * radius[i])
             visible = (length > cut * min(radius[i], total)) & (turns | (length > WORD * total))
+            # 0 is no letter; a letter that repeats the last one is not written
             letter = ((2 if rate > 0.0 else 3) if turns else 1) if visible else 0
             name = name if letter == 0 or letter == name % 4 else 4 * name + letter
             length = 0.0
@@ -367,8 +385,9 @@ def _judge_rows(
 ) -> None:
     """Judge rows against the closed form.
 
-    Each chunk is judged in loops that can be vectorised. At first the columns `gap` and `reference`
-    hold the turn and the sum of all turns.
+    `verdict` (optimal or `ODD`), `length`, `miss`, `curvature_excess`, `reference` and `gap` of
+    `result` are filled. Each chunk is judged in three loops that can be vectorised. Before the last
+    one, `gap` and `reference` hold the turn and the sum of all turns.
     """
     x, y, heading, tx, ty, radius, final = legs
     verdict = result.verdict
@@ -379,6 +398,7 @@ def _judge_rows(
     turns = result.reference
     for chunk in range(begin, end, CHUNK):
         low, high = chunk_from(chunk, end)
+        # drive the path to its end
         for i in range(low, high):
             driven = turned = forward = left = angle = 0.0
             for arc in range(3):
@@ -398,6 +418,7 @@ def _judge_rows(
             length[i] = driven
             turn[i] = turned
             turns[i] = angle
+        # compare its rates with those of the closed form's word
         for i in range(low, high):
             word = best.word[i]
             most = 0.0
@@ -412,6 +433,7 @@ def _judge_rows(
                 usual &= (driven == 0.0) | ((driven > 0.0) & (off <= ROUNDED))
             excess[i] = most
             verdict[i] = usual & (most <= limits.curvature)
+        # compare its end with the target, and its length with the shortest
         for i in range(low, high):
             R = radius[i]
             off = heading[i] + turn[i] - final[i]

@@ -16,7 +16,8 @@ from dubins_study.study.words import FROZEN, Claim
 def _judge(
     scenario: Scenario, point: Any, claim: Claim, tolerance: float
 ) -> tuple[Judgement, Certificate]:
-    from dubins_study.study.convex.proof import judge_convex  # ball arithmetic and sparse matrices
+    """Judge a point of the labelled problem."""
+    from dubins_study.study.convex.proof import judge_convex  # loads SciPy and python-flint
 
     return judge_convex(scenario.label, point, claim, tolerance)
 

@@ -89,7 +89,7 @@ class Asked:
     def matches(self, scenario: Scenario) -> bool:
         """Whether a scenario is of this kind.
 
-        It gives the kind's fields, and leaves out those that it must.
+        The scenario has to give, or leave out, each optional field as `fields` says.
         """
         return self.fits(scenario.given)
 
@@ -109,7 +109,8 @@ class Pathless(Asked):
     There is no path, and the kind has a judge of its own.
 
     Args:
-        judge: judgement and certificate of a question's point.
+        judge: judgement and certificate of a question's point; from the scenario, the point (None
+            without an answer), the claim and the tolerance.
     """
 
     judge: Callable[[Scenario, FloatArray | None, Claim, float], tuple[Judgement, Certificate]]
@@ -128,7 +129,8 @@ class Kind(Asked):
         words_of: the word of a path, of its legs where it has several; from the path, the arc
             lengths of its via points, and the radius.
         verdict: of a path that arrives.
-        costates: of a judged path; until a time of `perf_counter`.
+        costates: Pontryagin's conditions and cut margin of a judged path; what is not computed by
+            a time of `perf_counter` stays None.
         ties: the words that share the shortest length, if more than one may.
         by_interval: whether a proven interval alone proves a shortest path; else the path has to be
             an extremal too.

@@ -49,9 +49,10 @@ def _to_any_heading(scenario: Scenario, branch: str) -> Reference:
 
 @lru_cache(maxsize=16384)
 def _optimum(scenario: Scenario, branch: str) -> tuple[Shortest | None, dict[str, Any]]:
-    """Shortest path of a question, with fixed columns.
+    """Shortest path of a question, and some columns.
 
-    Those are the columns that only the question decides.
+    The path is None where the branch has none. The columns are those of a judgement that the
+    question alone decides, whatever the answer.
     """
     target = local(scenario)
     optimum = shortest_local(target, branch)
@@ -85,9 +86,7 @@ def _verdict(scenario: Scenario, arrived: Arrived, tolerances: Tolerances) -> Fo
 
     The path is compared with the scenario's shortest length. Only a miss makes a shorter path
     possible. A shorter path is compared with the shortest path to its own end, so that missing
-    brings no advantage. That reference is never longer than the path itself, whatever side of a
-    circle the end is rounded to. Where neither target has a path of the branch, a point of a
-    turning circle within the miss may have one.
+    brings no advantage. If the branch has no path to either, a point within the miss may have one.
     """
     path, branch, seen, word = arrived
     length = path.length
@@ -98,10 +97,12 @@ def _verdict(scenario: Scenario, arrived: Arrived, tolerances: Tolerances) -> Fo
     if reference is None or length < reference * (1.0 - ROUNDED):
         to_own_end = shortest(visited(scenario, seen.visits, end), branch)
         if to_own_end is not None:
+            # the end may be rounded to the other side of a circle, where all paths are longer
             reference = min(to_own_end.total * radius, length)
     if reference is None:
         target = local(scenario)
         assert scenario.target is not None
+        # a target counts as on a circle within delta / 2: hence twice the miss
         off = 2.0 * math.dist(end[:2], scenario.target)
         within_miss = target._replace(delta=target.delta + off / radius)
         nearby = shortest_local(within_miss, branch)
@@ -126,7 +127,7 @@ def _known_to_delta(
     """Reference for data that are known to delta.
 
     For a longer answer, it is the longest shortest length, over targets within delta, that is not
-    above the answer's length.
+    above the answer's length. For any other answer, `reference` is returned as it is.
     """
     allowed = gap * max(reference, scenario.radius)
     if length - reference <= allowed:
@@ -143,7 +144,8 @@ def _known_to_delta(
 def _basins(optimum: Shortest | None) -> tuple[tuple[str, ...], tuple[float, ...]]:
     """Words and net turns of the shortest path.
 
-    Turns are in rad. A tie adds the mirror image; without a path there are none.
+    Returns two tuples; turns are in rad. A tie adds the mirror image to both. Without a path both
+    are empty.
     """
     if optimum is None:
         return (), ()

@@ -19,7 +19,7 @@ from dubins_study.study.scenario import Pose, Scenario
 from dubins_study.study.tolerances import Tolerances
 from dubins_study.study.words import FINAL_HEADING, POSE_BRANCHES
 
-_EVERYWHERE = ("best", "LSL", "RSR")  # that reach every pose
+_EVERYWHERE = ("best", "LSL", "RSR")  # branches with a path to every pose
 
 
 def _end(scenario: Scenario) -> Pose:
@@ -47,7 +47,11 @@ def _of_poses(start: Pose, end: Pose, radius: float, branch: str) -> Reference:
 
 
 def _nearest(enclosure: Enclosure, length: float, tolerance: float) -> Part:
-    """Nearest shortest length for the data within delta."""
+    """Shortest length nearest to the path's, twice.
+
+    The shortest lengths are those for all data within delta. The reference is one number, so that
+    it is both the shortest and the longest length that the reference may have.
+    """
     nearest = enclosure.nearest(length, tolerance)
     assert nearest is not None  # one exists
     return nearest, nearest

@@ -37,11 +37,12 @@ def _exact(scenario: Scenario, branch: str, limit: float) -> Exact:
 
 
 def _reference(scenario: Scenario, branch: str, tolerances: Tolerances) -> Reference:
-    """Proven interval around the shortest length.
+    """Reference with a proven interval around the shortest length.
 
-    If this process has searched the same route before, whoever asked, the search is not repeated.
+    A search that this process has already made for the same route is not repeated.
     """
-    for kind in (LEG, POSE):  # a path may visit all of its points where it starts or ends
+    # a path that visits all its via points where it starts or ends is compared with one leg
+    for kind in (LEG, POSE):
         if kind.matches(scenario):
             return kind.reference(scenario, branch, tolerances)
     from dubins_study.study.kinds.shortest import known_route
@@ -55,20 +56,22 @@ def _reference(scenario: Scenario, branch: str, tolerances: Tolerances) -> Refer
 
 
 def _interval(enclosure: Enclosure, length: float, tolerance: float) -> Part:
-    """The whole interval as the compared lengths.
+    """Both ends of the proven interval.
 
-    With its lower end as the reference the gap is proven.
+    The lower end is the reference, so that no gap is too small.
     """
     return enclosure.low, enclosure.high
 
 
 def _costates(scenario: Scenario, path: Path, judgement: Judgement, until: float) -> Costates:
+    """Costates of an arriving path, where known."""
     if judgement.gap is None:
         return Costates()
     from dubins_study.study.check.route_extremal import route_extremal
 
     if scenario.heading is None or scenario.via_heading is not None:
-        return Costates()  # other conditions, at the start and where a heading is given
+        # a free start and a given heading on the way have other conditions, which are not checked
+        return Costates()
     free = scenario.final_heading is None and not scenario.closed
     ends = (judgement.visits or [])[: scenario.legs - 1]
     return Costates(route_extremal(path, ends, scenario.radius, free=free, until=until))

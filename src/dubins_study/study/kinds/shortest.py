@@ -22,14 +22,14 @@ from dubins_study.study.words import TURN, Order
 # cubic minima.
 _NARROW = 1e-9
 BOXES_A_SECOND = 100_000  # of one core of a server of 2026, which does 120 000 to 190 000
-_AS_LONG = 0.95  # of the seconds that are wanted
+_AS_LONG = 0.95  # share of the wanted seconds after which an earlier search was long enough
 _MOST_KNOWN = 4096  # the cells of a run ask each question often, in shuffled order
 
 
 class _Searched(NamedTuple):
     """Last search of a scenario, and its effort.
 
-    The effort is infinite where more would change nothing.
+    The effort is infinite if the search came to its end: more would change nothing.
     """
 
     route: ShortestRoute
@@ -66,7 +66,8 @@ def shortest_route(scenario: Scenario, limit: float, boxes: float = math.inf) ->
     points = (scenario.points - scenario.points[0]) / radius
     headings = [scenario.heading, *(stop.heading for stop in scenario.stops)]
     closed = scenario.closed and scenario.heading is None
-    if len(points) == 2 and not points.any():  # with a free start heading it is there already
+    # the only point is the start, and its heading is free: nothing has to be driven
+    if len(points) == 2 and not points.any():
         path = Path(Pose(scenario.x, scenario.y, headings[-1] or 0.0), [], [])
         return ShortestRoute(path, (), 0.0, 0.0)
     result: Route | Tour
@@ -115,7 +116,7 @@ def shortest_route(scenario: Scenario, limit: float, boxes: float = math.inf) ->
     if len(_known) >= _MOST_KNOWN:
         _known.clear()
     _known[scenario] = _Searched(route)
-    if result.seconds > limit or result.boxes >= boxes:
+    if result.seconds > limit or result.boxes >= boxes:  # a limit ended the search
         _known[scenario] = _Searched(route, boxes=result.boxes, seconds=result.seconds)
     return route
 

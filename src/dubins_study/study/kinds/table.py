@@ -57,9 +57,9 @@ def pathless_kind_of(branch: str) -> Pathless | None:
 
 
 def prepare(scenario: Scenario, branch: str) -> None:
-    """Prepare the answer to a question.
+    """Load and compile what answering a question needs.
 
-    This takes place before the clock of the answer starts.
+    Call this before the clock of the answer starts.
     """
     if pathless_kind_of(branch) is None:
         kind_of(scenario, branch).prepare()
@@ -80,11 +80,15 @@ def rows_of(frame: pd.DataFrame, kind: Kind | Pathless) -> BoolArray:
 
 
 def _ends_posed(frame: pd.DataFrame) -> BoolArray:
+    """Mask of the rows whose final heading is known.
+
+    A closed path ends with its start heading.
+    """
     fixed: BoolArray = frame["final_heading"].notna().to_numpy()
     return fixed | (frame["closed"].to_numpy() & frame["heading"].notna().to_numpy())
 
 
-# of each of `OPTIONAL`, as `Scenario.given` has it
+# For each field of `OPTIONAL`: a mask of a frame's rows, with the rule of `Scenario.given`.
 _GIVEN: dict[str, Callable[[pd.DataFrame], BoolArray]] = {
     "via": lambda frame: frame["via_x"].notna().to_numpy(),
     "searched": lambda frame: (frame["via_x"].notna() | frame["heading"].isna()).to_numpy(),

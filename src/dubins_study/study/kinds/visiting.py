@@ -43,6 +43,7 @@ def verdict(
     length = path.length
     gap = tolerances.gap
     best = reference_of(scenario, branch, tolerances)
+    # how much shorter the misses of points and headings can make a path
     moved = _STEEP * (scenario.legs * seen.miss + seen.turned * radius)
     if length < best.enclosure.low * (1.0 - ROUNDED) - moved:
         own_scenario = visited(scenario, seen.visits, seen.end)

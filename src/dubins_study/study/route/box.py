@@ -43,9 +43,10 @@ class Box(NamedTuple):
     (rad). Each end has the slope of the potential there. The bounded quantity is the length plus
     slope1 (theta1 - c1) less slope2 (theta2 - c2).
 
-    `apart` tells the circles of one end on which the point of the other lies, where no pair of
-    headings in the box is that of an arc: a sum of `START_LEFT` and its like, with `START_HALF` or
-    `END_HALF` if the arc is half a turn.
+    `apart` is a sum of flags. `START_LEFT` says that the leg's end lies on the left turning circle
+    of the start, and that no pair of headings in the box is that of the arc there; `START_RIGHT`,
+    `END_LEFT` and `END_RIGHT` likewise. `START_HALF` or `END_HALF` is added if the arc is half a
+    turn.
     """
 
     x: float
@@ -91,12 +92,17 @@ def mirrored(box: Box) -> Box:
     """Box whose paths are the mirror images."""
     left = START_LEFT | END_LEFT
     halves = box.apart & (START_HALF | END_HALF)
+    # the flag of a right circle is twice that of the left one
     apart = 2 * (box.apart & left) + (box.apart // 2 & left) + halves
     return Box(box.x, -box.y, -box.c1, box.h1, -box.slope1, -box.c2, box.h2, -box.slope2, apart)
 
 
 @separate
 def circles_of(box: Box, last: float) -> Circles:
+    """Way between the outer arcs' centres, with its range.
+
+    The first arc turns left. `last` is the turn of the last one: 1 left, -1 right.
+    """
     dx, dy = between(box.x, box.y, 1.0, last, box.c1, box.c2)
     m = math.hypot(dx, dy)
     # a centre moves along its heading, and to second order across it
@@ -181,7 +187,7 @@ def separated(
 ) -> tuple[float, float, float]:
     """Bound without the rest, and where it is attained.
 
-    The place is given as the two headings less their middles.
+    Returns the bound, then each heading there less the middle of its interval.
 
     The angles x = phi - theta1 - pi of the first arc and last (theta2 - phi) - pi of the last one,
     phi the costate's direction, count in the ranges that are given.

@@ -37,9 +37,9 @@ def route_length(legs: FloatArray, headings: FloatArray) -> float:
 
 @compiled
 def route_words(legs: FloatArray, headings: FloatArray) -> tuple[WordArray, FloatArray]:
-    """Words of the legs, and their segments.
+    """Words of the legs, and their segments (radii).
 
-    Shapes (n,) and (n, 3).
+    Shapes (n,) and (n, 3). Words are places in `pose.WORDS6`.
     """
     n = legs.shape[0]
     words = np.empty(n, np.int8)
@@ -54,9 +54,9 @@ def route_words(legs: FloatArray, headings: FloatArray) -> tuple[WordArray, Floa
 
 @compiled
 def newton(legs: FloatArray, headings: FloatArray, free: BoolArray) -> bool:
-    """Move headings by Newton's method, in place.
+    """Move free headings by Newton's method, in place.
 
-    Returns whether they came to rest at a local minimum.
+    Returns whether they came to rest at a local minimum. If not, they may have moved all the same.
     """
     n = legs.shape[0]
     slope = np.empty(n + 1)
@@ -112,8 +112,8 @@ def newton(legs: FloatArray, headings: FloatArray, free: BoolArray) -> bool:
 def _on_arcs(headings: FloatArray, arc_ends: Sequence[FloatArray]) -> tuple[FloatArray, BoolArray]:
     """Headings moved onto nearby arcs.
 
-    The mask says which headings are not on an arc. A path beside an arc's end is there only because
-    of rounding.
+    Returns a moved copy, and a mask of the headings that are not on an arc. A heading so near
+    to that of an arc's end differs from it by rounding only.
     """
     moved = headings.copy()
     others = np.ones(headings.size, np.bool_)

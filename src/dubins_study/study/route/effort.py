@@ -21,7 +21,7 @@ class SpentError(Exception):
 class Effort:
     """Limits of a search, and what it has spent.
 
-    It counts boxes that the search bounds, or work that takes as long.
+    `spent` counts boxes that the search has bounded, and other work as boxes that take as long.
     """
 
     boxes: float = math.inf

@@ -69,7 +69,8 @@ def leg_table(
 ) -> tuple[FloatArray, WordArray]:
     """Lengths and words for all live pairs of headings.
 
-    Shape (first, last).
+    Both have the shape (headings at the start, headings at the end). The length of any other pair
+    is infinite.
     """
     lengths = np.full(live.shape, math.inf)
     words = np.zeros(live.shape, np.int8)
@@ -84,7 +85,7 @@ def leg_table(
 
 @separate
 def _touching_headings(x: float, y: float, heading: float, back: bool, found: FloatArray) -> int:
-    """Headings for which two arcs are the leg.
+    """Write headings for which two arcs are the leg.
 
     They are those at the leg's other end. Returns how many there are.
 
@@ -113,9 +114,10 @@ def _touching_headings(x: float, y: float, heading: float, back: bool, found: Fl
 
 @separate
 def _arc_headings(x: float, y: float, end: bool, found: FloatArray) -> int:
-    """Headings for which one arc is the leg.
+    """Write headings for which one arc is the leg.
 
-    They are those at the leg's start, or at its end if `end`. Returns how many there are.
+    They are those at the leg's start, or at its end if `end`: up to four, written into `found`.
+    Returns how many there are.
     """
     d = math.hypot(x, y)
     if d > 2.0:
@@ -132,8 +134,8 @@ def _arc_headings(x: float, y: float, end: bool, found: FloatArray) -> int:
 def _add(headings: FloatArray, n: int, others: FloatArray, m: int, reach: float) -> int:
     """Add the headings that are within reach.
 
-    `others` holds m headings, and `headings` n; the first of these is the middle. Returns the new
-    number of headings.
+    `headings` holds n headings, and `others` m. Those of `others` that are within `reach` (rad) of
+    the first of `headings` are added there. Returns the new number of headings.
     """
     for k in range(m):
         off = principal(others[k] - headings[0])
@@ -149,9 +151,9 @@ def _candidates(
 ) -> tuple[FloatArray, IntArray]:
     """Headings at each point for a dynamic program.
 
-    Their numbers are returned too. They are the headings of a grid, and those of edges: where a leg
-    is one arc, or two arcs from one of the headings at the point before (after it, if `back`), so
-    that a chain of edges is followed.
+    Returns the headings, a row for each point, and how many each row holds. They are those of a
+    grid and those of edges. On an edge a leg is one arc, or two arcs from one of the headings at
+    the point before (after it, if `back`), so that a chain of edges is followed.
     """
     n = legs.shape[0]
     reach = grid.reach * width
@@ -173,6 +175,7 @@ def _candidates(
                 size = _add(some, size, edges, m, reach)
             if place > 0 and grid.chained != _CHAIN_NONE:
                 leg, other = (i, i + 1) if back else (i - 1, i - 1)
+                # headings of edges come behind those of the grid
                 arcs_alone = grid.chained == _CHAIN_ARCS and free[other]
                 for k in range(1 + 2 * grid.side if arcs_alone else 0, sizes[other]):
                     m = _touching_headings(
@@ -189,8 +192,9 @@ def _chained(
 ) -> FloatArray:
     """Least cost of chains extended over some legs.
 
-    `cost` is that of the chains up to the first leg; `before` is written. A heading is skipped if
-    even a straight leg from it is longer than the chain of the cheapest heading.
+    `cost` is that of the chains up to the first leg. `before` is filled: for each leg, the heading
+    before each heading. A heading is skipped if even a straight leg from it is longer than the
+    chain of the cheapest heading.
     """
     for i in range(legs.shape[0]):
         x, y = legs[i, 0], legs[i, 1]
@@ -228,7 +232,7 @@ def _step(
     grid: Grid,
     effort: Effort,
 ) -> bool:
-    """Move a route to the best chain of headings.
+    """Move a route to the best chain, in place.
 
     Returns whether any heading has changed. Out of time, the headings behind the last leg that was
     reached stay as they are.

@@ -38,7 +38,7 @@ _ONE_HEADING = 2e-15  # rad; more than the rounding of a heading to which an arc
 class Intervals(NamedTuple):
     """Intervals of headings at a point.
 
-    Their middles, halves of their widths, and slopes of the potential.
+    Three arrays have the middle, half the width (rad) and the potential's slope of each.
     """
 
     middle: FloatArray
@@ -75,7 +75,8 @@ def first_intervals(
 ) -> tuple[list[Intervals], list[WordArray]]:
     """Intervals at each point, and their pairs.
 
-    The pairs of each leg are given in the form that `bound_leg` takes.
+    The second value is an array a leg, shape (intervals at its start, intervals at its end). It has
+    the form of `live` in `bound_leg`: 1 and twice `Box.apart`.
 
     Args:
         legs: from each point to the next, shape (n, 2).
@@ -101,13 +102,14 @@ def first_intervals(
             intervals.append(Intervals(np.array(headings), np.array([spread]), np.zeros(1)))
     live = [np.ones((a.middle.size, b.middle.size), np.int8) for a, b in pairwise(intervals)]
     for arc in arcs:
-        # the intervals of known headings are the last at their point
+        # known headings come behind the intervals of a free point
         here, there = (intervals[i].middle.size - len(known[i]) for i in arc.ends)
         pairs = live[min(arc.ends)]
         if arc.ends[0] > arc.ends[1]:
             pairs = pairs.T
         row = pairs[here + arc.place]
         row += 2 * arc.apart
+        # the pair of the arc's own two headings can have all words
         row[[there + k for k in arc.others]] -= 2 * arc.apart
     return intervals, live
 
@@ -117,7 +119,8 @@ def _arcs(
 ) -> Iterator[_Arc]:
     """Arcs to the next or the previous point.
 
-    They lead to the next point if `step` is 1. The headings at their ends become known.
+    They lead to the next point if `step` is 1, to the previous one if it is -1. The headings at
+    their ends are added to `known`.
     """
     left_bit = START_LEFT
     right_bit = START_RIGHT
@@ -132,6 +135,7 @@ def _arcs(
         square = x * x + y * y
         for place, heading in enumerate(known[here]):
             side = y * math.cos(heading) - x * math.sin(heading)
+            # whether the other point is on the left or right turning circle of the heading
             left = abs(square - 2.0 * side) <= _ON_CIRCLE
             right = abs(square + 2.0 * side) <= _ON_CIRCLE
             if not (left or right):

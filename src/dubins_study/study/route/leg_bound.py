@@ -29,10 +29,12 @@ NO_WORD = -1
 def box_bound(box: Box) -> tuple[float, int]:
     """Lower bound over a box, and its word.
 
-    It bounds the length with the potential. The word is the one that gives the bound.
+    The length is the one with the potential (`Box`). The word is the one that gives the bound, as a
+    place in `WORDS6`; `NO_WORD` if there is no path.
     """
     best = math.inf
     word = NO_WORD
+    # places in `WORDS6`: LSL 0, LSR 2, LRL 5; of the mirror images 1, 3 and 4
     near = box.x * box.x + box.y * box.y < 16.0 + 1e-12
     for image in range(2):
         if image == 1:
@@ -57,7 +59,7 @@ def box_bound(box: Box) -> tuple[float, int]:
 def _box(leg: FloatArray, first: Ends, last: Ends, i: int, j: int, live: int) -> Box:
     """Box of two intervals of a leg.
 
-    Interval i is at its start and j at its end.
+    Interval i is at its start and j at its end. `live` is 1 and twice `Box.apart`.
     """
     c1, h1, slope1 = first
     c2, h2, slope2 = last
@@ -81,7 +83,8 @@ def bound_leg(
         leg: (x, y), the end seen from the start (radii).
         first, last: the intervals at both ends.
         live: 0 for pairs that are left out, else 1 and twice `Box.apart`.
-        live, bounds, words: shape (intervals at the start, intervals at the end); two are written.
+        bounds, words: written. They and `live` have the shape (intervals at the start, intervals at
+            the end).
     """
     for i in range(live.shape[0]):
         for j in range(live.shape[1]):
@@ -168,11 +171,12 @@ def slopes_across(
 ) -> tuple[FloatArray, WordArray]:
     """Slopes of a leg's intervals, by `_slope_across`.
 
-    They are those at its last end if `forward`, else at its first.
+    Returns the slopes and their sources, at the leg's end if `forward`, else at its start.
 
     Args:
         words: of pairs of intervals, shape (intervals at the start, intervals at the end).
-        mates: for each interval the one at the other end, of which `slopes` are known.
+        mates: for each of these intervals, the one at the other end.
+        slopes: of the intervals at the other end.
     """
     across = np.empty(mates.size)
     kinds = np.empty(mates.size, np.int8)
@@ -199,16 +203,17 @@ def potential_slopes(
     best: float,
     everywhere: bool,
 ) -> FloatArray:
-    """Slopes of the potential at a point.
+    """Slopes of the potential at a point's intervals.
 
-    They are the ones that both legs ask for, by `slopes_across`. Near the best route's heading, or
-    `everywhere`, the slope is the best route's (NaN: unknown).
+    `before` and `after` are what both legs ask for, by `slopes_across`. Near the best route's
+    heading, or `everywhere`, the slope is `best`, the best route's (NaN: unknown).
     """
     middle, half, slope = interval
     rise, by_left = before
     fall, by_right = after
     chosen = np.empty(middle.size)
     for j in range(middle.size):
+        # the leg with the better source decides; if neither knows a slope, it stays
         aim = fall[j] if by_right[j] > by_left[j] else rise[j]
         if by_left[j] == BY_WORD and by_right[j] == BY_WORD:
             aim = 0.5 * (rise[j] + fall[j])

@@ -30,7 +30,10 @@ def turns(word: int) -> tuple[float, float]:
 
 @separate
 def between(x: float, y: float, s1: float, s2: float, t1: float, t2: float) -> tuple[float, float]:
-    """Way from the first arc's centre to the last."""
+    """Way from the first arc's centre to the last.
+
+    The leg ends at (x, y). Its arcs turn by s1 and s2 (`turns`), its headings are t1 and t2.
+    """
     return (
         x - s2 * math.sin(t2) + s1 * math.sin(t1),
         y + s2 * math.cos(t2) - s1 * math.cos(t1),

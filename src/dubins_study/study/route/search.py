@@ -168,9 +168,10 @@ def potential_at(
 
 
 def _through(cost: FloatArray, rows: FloatArray) -> tuple[FloatArray, IntArray]:
-    """Cheapest ways from each row through `cost`.
+    """Least sums of rows of `cost` and `rows`.
 
-    For each of `rows`: the least of cost and row, for each row of cost, and where it is.
+    Returns two arrays of shape (len(rows), len(cost)). Element [r, i] of the first is the least of
+    cost[i] + rows[r]; of the second, the column where that is.
     """
     ways = ((way.min(axis=1), way.argmin(axis=1)) for way in (cost + row for row in rows))
     least, mates = zip(*ways, strict=True)
@@ -185,9 +186,11 @@ def _of_rows(mates: IntArray, row: IntArray) -> IntArray:
 class _Chains:
     """Cheapest chain through each interval.
 
-    It knows the chain's least cost, and its neighbours there. A `cyclic` chain ends in the interval
-    in which it begins, so that there is a program for each of these: the first axis of its arrays.
-    Otherwise that axis has one row.
+    `through` has the chain's cost, an array a point with a number for each interval. `before` and
+    `after` have its neighbours, an array a leg. `ahead` and `behind` have the least costs up to
+    each interval and from it on. A `cyclic` chain ends in the interval in which it begins, so that
+    there is a program for each of these: the first axis of `ahead` and `behind`. Otherwise that
+    axis has one row.
     """
 
     def __init__(self, costs: list[FloatArray], words: list[WordArray], cyclic: bool) -> None:
@@ -196,6 +199,7 @@ class _Chains:
         self.ahead = [np.zeros((1, costs[0].shape[0]))]
         self.behind = [np.zeros((1, costs[-1].shape[1]))]
         if cyclic:
+            # a loop's program r begins and ends in interval r
             alone = np.where(np.eye(costs[0].shape[0]), 0.0, math.inf)
             self.ahead = [alone]
             self.behind = [alone]
@@ -211,6 +215,7 @@ class _Chains:
             after.insert(0, mates)
         both = [a + b for a, b in zip(self.ahead, self.behind, strict=True)]
         self.through: list[FloatArray] = [each.min(axis=0) for each in both]
+        # the program that has the cheapest chain
         rows = [each.argmin(axis=0) for each in both]
         # for each leg: the best interval at its start for each one at its end, and the reverse
         self.before = [_of_rows(*each) for each in zip(self._before, rows[1:], strict=True)]
@@ -223,9 +228,9 @@ class _Chains:
         return float(self.through[-1].min())
 
     def through_pairs(self, leg: int) -> FloatArray:
-        """Least cost of a chain through each pair.
+        """Least chain through each pair of a leg.
 
-        A pair has an interval at each end of a leg.
+        Returns its cost, shape (intervals at the leg's start, intervals at its end).
         """
         least = np.full(self.costs[leg].shape, math.inf)
         for ahead, behind in zip(self.ahead[leg], self.behind[leg + 1], strict=True):
@@ -243,7 +248,10 @@ class _Chains:
         return route, tuple(words)
 
     def largest(self, values: list[FloatArray]) -> list[FloatArray]:
-        """Largest value on each interval's best chain."""
+        """Largest value on each interval's best chain.
+
+        `values` and the result are an array a point, with a number for each interval.
+        """
         ahead = [values[0]]
         behind = [values[-1]]
         for i, before in enumerate(self.before):
@@ -256,7 +264,8 @@ class _Chains:
 class _Search:
     """State of one search.
 
-    It has the best route, the intervals left and the bounds of their pairs.
+    It has the best route, the intervals that are left at each point, and which of their pairs are
+    left on each leg (`live`).
     """
 
     def __init__(
@@ -362,7 +371,10 @@ class _Search:
         return self.low >= self.high * (1.0 - self.tolerance)
 
     def _bound(self) -> _Chains:
-        """Bounds of all live pairs of intervals."""
+        """Chains whose costs are bounds.
+
+        All live pairs of intervals are bounded.
+        """
         bounds = []
         words = []
         for leg, live, (first, last) in zip(
@@ -378,9 +390,9 @@ class _Search:
         return _Chains(bounds, words, self.cyclic)
 
     def _middles(self) -> _Chains:
-        """Routes through the middles of the intervals.
+        """Chains whose costs are lengths.
 
-        They use live pairs only.
+        The lengths are those between the middles of live pairs of intervals.
         """
         tables = []
         for leg, live, (a, b) in zip(self.legs, self.live, pairwise(self.intervals), strict=True):
@@ -392,7 +404,7 @@ class _Search:
     def _improve(self, chains: _Chains) -> None:
         """Go downhill from the cheapest chain.
 
-        The descent starts at the middles of its intervals.
+        The descent starts at the middles of its intervals. Each chain of words is tried once.
         """
         route, words = chains.cheapest()
         if words in self.descended or not self.worth(chains):
@@ -412,7 +424,10 @@ class _Search:
         return chains.least < _HOPELESS * self.length
 
     def _descend(self, start: FloatArray, width: float) -> None:
-        """Go downhill from a route; keep the best."""
+        """Go downhill from a route; keep the best.
+
+        `start` has the route's headings, `width` is that of the first grid (rad).
+        """
         headings = downhill(
             self.legs,
             start,
@@ -433,7 +448,7 @@ class _Search:
     def _descend_around(self, headings: FloatArray, width: float) -> FloatArray:
         """Go downhill from a loop while it gets shorter.
 
-        The loop begins at another point each time.
+        The loop begins at another point each time. Returns the headings from its first point on.
         """
         # about half of the loop, so that every point comes to be the first
         step = next(k for k in range(self.n // 2, self.n + 1) if math.gcd(k, self.n) == 1)
@@ -507,10 +522,12 @@ class _Search:
         self.intervals = []
         parents = []
         for i, interval in enumerate(aimed):
+            # halved: what gains a quarter or more of the most on its best chain
             split = promising[i] & (gains[i] >= 0.25 * most[i]) & (interval.half > _NARROWEST)
             whole = np.flatnonzero(possible[i] & ~split)
             halved = np.flatnonzero(possible[i] & split)
             parents.append(np.concatenate([whole, halved, halved]))
+            # whole intervals, lower halves, upper halves
             side = np.repeat([0.0, -0.5, 0.5], [whole.size, halved.size, halved.size])
             self.intervals.append(interval.at(parents[i]).halved(side))
         if self.cyclic:
@@ -564,7 +581,8 @@ class _Search:
     ) -> list[tuple[FloatArray, WordArray]]:
         """Slopes that legs ask for, with their sources.
 
-        They are the slopes of the leg before each interval, or of the leg after it.
+        A pair for each point: a slope for each interval, and what it is derived from (`UNKNOWN`,
+        `BY_EDGE` or `BY_WORD`). The leg before the point asks if `forward`, else the leg after it.
         """
         end = 0
         legs = range(self.n)
@@ -592,7 +610,7 @@ class _Search:
     def _gains(self, chains: _Chains, promising: list[BoolArray]) -> list[FloatArray]:
         """Gains of the bound from halving each interval.
 
-        The bound is that along the best chain through the interval.
+        The bound is that along the best chain through the interval. Returns an array a point.
         """
         gains = []
         for i, interval in enumerate(self.intervals):
@@ -621,6 +639,7 @@ class _Search:
         return gains
 
     def _route(self) -> Route:
+        """Best route, with the proven interval."""
         words, segments = route_words(self.legs, self.headings)
         names = tuple(WORDS6[word] for word in words)
         return Route(

@@ -58,7 +58,8 @@ class Definition(_Record):
 class SolverEntry(_Record):
     """A solver of the experiment.
 
-    Its settings, the digest of its code, its packages' versions, and the number of its cells.
+    It has its settings, the digest of its code, the versions of its packages, and the number of its
+    cells.
     """
 
     code_digest: str
@@ -98,11 +99,10 @@ class Probe(NamedTuple):
 
 
 def spread(probes: Sequence[Probe]) -> float | None:
-    """Variation of a machine's speed.
+    """Variation of a machine's speed, as a share.
 
-    It is the range from the 5th to the 95th percentile, over the median.
-
-    A share: 0.05 for 5 %; None of fewer than 5 probes, which say nothing.
+    It is the range of the probes' seconds from the 5th to the 95th percentile, over their median.
+    None for fewer than 5 probes, which say nothing.
     """
     if len(probes) < _MIN_PROBES:
         return None
@@ -154,9 +154,9 @@ class RunEntry(_Record):
 class Manifest(_Record):
     """Description of a results folder, stored in it.
 
-    `schema` (of the rows) has another name here, which pydantic leaves free. `solvers` are by spec:
-    rows of another code than an entry's are stale. Gaps of two attempts that differ by more than
-    `gap_tolerance` contradict each other. `finished` is None until every cell has its row.
+    `schema_version` is the file's key `schema`, a name that pydantic uses itself. `solvers` are by
+    spec: rows of another code than an entry's are stale. Gaps of two attempts that differ by more
+    than `gap_tolerance` contradict each other. `finished` is None until every cell has its row.
     """
 
     schema_version: int = Field(default=VERSION, alias="schema", ge=VERSION, le=VERSION)

@@ -31,9 +31,9 @@ ARROW_SCHEMA = arrow_schema()
 def rows_table(rows: Iterable[Mapping[str, Any]]) -> pa.Table:
     """Rows as a table of the schema.
 
-    Numbers that no file can hold are null; such characters in a text are question marks.
-
-    Their values are of the schema's types: `Solution` has refused others of a solver.
+    Each row has a value for every column, of the schema's type: `Solution` has refused other types.
+    Numbers that are not finite become null. Characters that UTF-8 cannot hold become question
+    marks.
     """
     rows = list(rows)
     columns = [_column([row[field.name] for row in rows], field.type) for field in ARROW_SCHEMA]
@@ -41,6 +41,7 @@ def rows_table(rows: Iterable[Mapping[str, Any]]) -> pa.Table:
 
 
 def _column(values: list[Any], kind: pa.DataType) -> Any:
+    """Arrow array of a column's values; None is null."""
     if pa.types.is_string(kind):  # lone surrogates cannot be encoded as UTF-8
         values = [text and text.encode("utf-8", "replace").decode() for text in values]
     elif pa.types.is_floating(kind):
@@ -55,7 +56,7 @@ def _finite(numbers: list[Any]) -> list[Any]:
 
 
 def row_key(row: Mapping[str, Any]) -> Key:
-    """Values of the key columns."""
+    """Values of a row's key columns, as in `KEY`."""
     key: Any = tuple(row[name] for name in names(KEY))
     return key  # type: ignore[no-any-return]
 
@@ -190,7 +191,10 @@ def check_part(file: FilePath) -> None:
 
 @contextmanager
 def _reading(file: FilePath) -> Iterator[None]:
-    """Raise all errors of Arrow as a folder's errors."""
+    """Raise all errors of reading as `ResultsError`.
+
+    An error of Arrow becomes a `DamagedPartError`.
+    """
     try:
         yield
     except ResultsError:
@@ -206,7 +210,10 @@ def _damaged(file: FilePath, problem: str) -> DamagedPartError:
 
 
 def _check_schema(file: FilePath, content: pq.ParquetFile) -> None:
-    """Refuse a file of another schema."""
+    """Refuse a file of another schema.
+
+    A file that states no version is judged by its columns.
+    """
     texts = content.metadata.metadata or {}
     version = texts.get(VERSION_KEY.encode(), b"%d" % VERSION).decode("utf-8", "replace")
     columns = content.schema_arrow.names
@@ -225,7 +232,7 @@ def _check_schema(file: FilePath, content: pq.ParquetFile) -> None:
 def printable_batches(file: FilePath, columns: Sequence[str]) -> Iterator[pa.Table]:
     """Read a part with unprintable characters written out.
 
-    Tables are those of `read_batches`. Engines and plug-ins may say anything.
+    Tables are those of `read_batches`. Texts of engines and plug-ins may hold any character.
     """
     for table in read_batches(file, columns):
         arrays = [_printable(column) for column in table.columns]
@@ -233,7 +240,12 @@ def printable_batches(file: FilePath, columns: Sequence[str]) -> Iterator[pa.Tab
 
 
 def _printable(column: Any) -> Any:
+    """Column with unprintable characters written out.
+
+    A column without any is returned as it is.
+    """
     is_text = pa.types.is_string(column.type)
+    # `all` is None where a column holds no text
     if not is_text or pc.all(pc.utf8_is_printable(column)).as_py() is not False:
         return column
     texts = [text and printable_text(text) for text in column.to_pylist()]

@@ -44,7 +44,7 @@ class Column(NamedTuple):
 def column(meaning: str, unit: str = "", *, default: Any = None, **flags: bool) -> Any:
     """Declare a field as a column of the row.
 
-    A field of a share that is declared otherwise is no column.
+    A field that is declared without this function is no column.
     """
     return field(default=default, metadata={"unit": unit, "meaning": meaning} | flags)
 

@@ -35,12 +35,13 @@ def bounds_between(
 ) -> None:
     """Write bounds of the legs from one point.
 
-    They go from its intervals to all others, where they are new.
+    The legs go from the point's intervals to those of all points.
 
     Args:
         intervals: middles, halves of widths and slopes of the potential.
-        new, bounds: shape (intervals, intervals).
+        new: mask of the pairs to be bounded, shape (intervals, intervals).
         row: the point.
+        bounds: written where `new`, shape (intervals, intervals).
     """
     middle, half, slope = intervals
     for other in range(points.shape[0]):
@@ -57,9 +58,10 @@ def bounds_between(
 def memories_after(near: IntArray) -> IntArray:
     """Memory of a chain after each next point.
 
-    Shape (points, memories, points). A memory at a point is a set of its near points: bit k is that
-    of `near[point, k]`, and bit 0 is the point itself. A chain does not go to a point that it
-    remembers: -1.
+    Element [here, memory, there] is the memory at `there` of a chain that comes from `here`. It is
+    -1 if the chain remembers `there`, since then it does not go there. A memory at a point is a set
+    of its near points: bit k is that of `near[point, k]`. Bit 0 is the point itself and always set,
+    so that memories are odd.
     """
     n, size = near.shape
     after = np.full((n, 1 << size, n), _NO_POINT)
@@ -93,7 +95,8 @@ def first_chains(
         prices: shape (points,).
 
     Returns:
-        Shape (points, memories, intervals): of chains of k + 1 points that end in an interval.
+        Shape (points, memories, intervals). Element [k, memory, interval] is the least cost of
+        chains of k + 1 points that end there with this memory; infinite for k > 0.
     """
     n = after.shape[0]
     memories = after.shape[1]
@@ -139,8 +142,8 @@ def extend_chains(
 ) -> None:
     """Write least costs of chains with another point.
 
-    They have k + 2 points, whose prices are subtracted. Chains of k + 1 points that others make
-    needless become infinite.
+    `costs[k + 1]` is filled: chains of k + 2 points, less the prices of their points. In `costs[k]`
+    chains that others make needless become infinite.
 
     Args:
         costs: `first_chains`, with those of k + 1 points.
@@ -181,7 +184,8 @@ def cheapest_chain(
 ) -> IntArray:
     """Points of the cheapest chain, first to last.
 
-    `costs` are those of `first_chains`, extended by `extend_chains`.
+    A point may be passed more than once. `costs` are those of `first_chains`, extended by
+    `extend_chains`.
     """
     n = after.shape[0]
     memories = after.shape[1]
@@ -289,7 +293,7 @@ def leave_out(
 ) -> BoolArray:
     """Mask of states that may end within the cutoff.
 
-    Costs that may not become infinite.
+    Costs from which no chain ends within it become infinite, in place.
 
     Args:
         to_go: costs of chains backwards, for all points that are left and the last one.
@@ -298,6 +302,7 @@ def leave_out(
     within = np.zeros(sets.size, np.bool_)
     for state in range(sets.size):
         here = lasts[state]
+        # the chains backwards have earned the prices of the points left, and of this one
         paid = prices[here]
         for i in range(prices.size):
             if not (sets[state] >> i & 1):
@@ -305,6 +310,7 @@ def leave_out(
         for place in range(begin[here + 1] - begin[here]):
             least = math.inf
             for memory in range(1, remembered.shape[1], 2):
+                # the chain backwards may remember no point of the set but this one
                 if remembered[here, memory] & sets[state] == 1 << here:
                     least = min(least, to_go[memory, begin[here] + place])
             if costs[state, place] + least + paid <= cutoff:

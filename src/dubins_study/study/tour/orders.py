@@ -21,7 +21,9 @@ MOST_IN_SET = 62  # points, of which a set is an int64
 _MOST_STATES = 100_000
 _MOST_ORDERS = 1_000
 
-_Levels = list[dict[tuple[int, int], FloatArray]]  # of each size, by set and last point
+# for each size of set, costs by (set, last point)
+_Levels = list[dict[tuple[int, int], FloatArray]]
+# a set of points, the last of them, the points after it, and the costs from the last one on
 _OpenEnd = tuple[int, int, tuple[int, ...], FloatArray]
 
 
@@ -36,9 +38,9 @@ class ToGo(NamedTuple):
 def orders_within(
     legs: Legs, to_go: ToGo, cutoff: float, effort: Effort
 ) -> dict[tuple[int, ...], float] | None:
-    """Bounds of all orders within the cutoff.
+    """Lower bounds of all orders within the cutoff.
 
-    None if there are too many.
+    Returns a bound for each order. None if there are too many orders, or states.
     """
     levels = _states(legs, to_go, cutoff, effort)
     if levels is None:
@@ -46,7 +48,7 @@ def orders_within(
     orders: dict[tuple[int, ...], float] = {}
     begin = legs.begin
     n = begin.size - 1
-    # from the end: a set of points, the last of them, the points after it, costs from it on
+    # backwards from the end, with all points in the set
     every = (1 << n) - 1
     open_ends: list[_OpenEnd] = [
         (every, i, (), legs.ends[begin[i] : begin[i + 1]]) for i in range(n)
@@ -56,6 +58,7 @@ def orders_within(
         costs = levels[passed.bit_count() - 1].get((passed, here))
         if costs is None:
             continue
+        # a state's costs have room for the most intervals of a point
         least = float((costs[: to_end.size] + to_end).min())
         if least > cutoff:
             continue
@@ -75,9 +78,10 @@ def orders_within(
 
 
 def _states(legs: Legs, to_go: ToGo, cutoff: float, effort: Effort) -> _Levels | None:
-    """States of each size within the cutoff.
+    """States that may end within the cutoff.
 
-    They may end within it, and have their costs. None if there are too many.
+    Returns a dict for each size of set, with costs by set and last point. None if there are too
+    many states.
     """
     begin = legs.begin
     n = begin.size - 1

@@ -118,7 +118,8 @@ def search_tour(
 def _backwards(loop: Tour) -> Tour:
     """A loop driven the other way round.
 
-    It is as long. The search returns the same one of both every time.
+    It is as long. Of both, the search returns the one whose first point is listed before its last,
+    so that the result is always the same.
     """
     route = loop.route
     other_side = str.maketrans("LR", "RL")
@@ -189,6 +190,11 @@ class _TourSearch:
         return self.low >= self.high * (1.0 - self.tolerance)
 
     def run(self) -> Tour:
+        """Search until the gap is closed.
+
+        Short orders are searched first; then a proof follows. The search also ends when its effort
+        is spent.
+        """
         _LOG.info("searching for the shortest tour of %d points", self.n)
         try:
             for order in short_orders(self.stops, self.effort):
@@ -218,7 +224,8 @@ class _TourSearch:
     def _prove(self, intervals: int, remembered: int) -> None:
         """Raise the lower bound to the best tour's length.
 
-        It stops when nothing more can be done.
+        It stops when nothing more can be done. `near` are the points that a chain remembers, by its
+        last point.
         """
         distances = cdist(self.stops.points, self.stops.points)
         distances[np.diag_indices(self.n)] = -1.0  # each point is the first of those near it
@@ -234,8 +241,9 @@ class _TourSearch:
     def _prove_around(self) -> None:
         """Prove a loop, one first interval at a time.
 
-        A loop ends in the interval of headings in which it begins. Driven backwards it is as long,
-        so that half of the circle is enough.
+        A loop ends in the interval of headings in which it begins. Each of these intervals has a
+        search of its own, and the least of their lower bounds counts. Driven backwards a loop is as
+        long, so that half of the circle is enough.
         """
         self._aim()
         self._bound()
@@ -257,9 +265,9 @@ class _TourSearch:
         self.low = max(self.low, min(*lows, self.high))
 
     def _search_order(self, order: tuple[int, ...], quick: bool = False) -> Route:
-        """Search one order.
+        """Search one order; keep the best route.
 
-        It becomes the best if it is shorter than the cutoff.
+        The best tour's length is the cutoff. A `quick` search has few boxes.
         """
         points, headings = self.stops.route(order)
         seconds_left = self.effort.seconds - (perf_counter() - self.effort.began)
@@ -290,7 +298,11 @@ class _TourSearch:
     # Bounds
 
     def _cover(self, intervals: int) -> None:
-        """Set up intervals of headings, and their pairs."""
+        """Set up intervals of headings, and their pairs.
+
+        `owner` is the point of each interval. `live` is the mask of the pairs that a tour may pass,
+        `new` of those whose bounds are not known.
+        """
         of_points = [_intervals_at(heading, intervals) for heading in self.stops.headings]
         self.owner = np.repeat(np.arange(self.n), [each.middle.size for each in of_points])
         columns = zip(*of_points, strict=True)
@@ -301,6 +313,10 @@ class _TourSearch:
 
     @property
     def begin(self) -> IntArray:
+        """Where the intervals of each point begin.
+
+        Shape (n + 1,).
+        """
         begin: IntArray = np.searchsorted(self.owner, np.arange(self.n + 1))
         return begin
 
@@ -324,6 +340,7 @@ class _TourSearch:
         spent = self.effort.spent - began
         if orders is not None:
             _LOG.info("%d orders are left", len(orders))
+            # few: to search them costs no more than another level is likely to
             few = len(orders) * _ORDER_BOXES <= max(2 * spent, pairs)
             if few or pairs > _MOST_PAIRS or not self._halve():
                 self._search_orders(orders)
@@ -351,7 +368,8 @@ class _TourSearch:
     def _bound(self) -> None:
         """Bound all live pairs of intervals.
 
-        Legs from the start and to the end are bounded too.
+        `bounds` is filled where it is not known. `starts` and `ends` are the bounds of the legs
+        from the start and to the end.
         """
         size = self.owner.size
         begin = self.begin
@@ -375,7 +393,8 @@ class _TourSearch:
     def _chains(self, prices: FloatArray, back: bool = False) -> FloatArray:
         """Costs of chains from the start.
 
-        With `back` they are those of chains from the end.
+        With `back` they are those of chains backwards, from the end. The array's axes are those of
+        `first_chains`.
         """
         bounds = self.bounds
         ends = self.starts
@@ -393,7 +412,7 @@ class _TourSearch:
         return costs
 
     def _price(self) -> None:
-        """Improve the prices of points.
+        """Improve the prices of points, and the lower bound.
 
         Prices of points that the cheapest chain misses rise, and those of repeated points fall. A
         step is a share of the one that would close the gap, were the bound linear (Polyak 1969).
@@ -436,7 +455,8 @@ class _TourSearch:
     def _leave_out(self) -> FloatArray:
         """Leave out pairs of intervals that are too long.
 
-        No tour as short as the best one can pass them.
+        No tour as short as the best one can pass them. Intervals without a pair are left out too,
+        of all arrays of this search.
 
         Returns:
             Costs of chains back from the end, of the intervals that are kept.
@@ -468,6 +488,7 @@ class _TourSearch:
         if not split.any():
             return False
         parents = np.repeat(np.arange(self.owner.size), 1 + split)
+        # of an interval that stands twice, the second one is the upper half
         second = np.diff(parents, prepend=-1) == 0
         side = np.where(split[parents], np.where(second, 0.5, -0.5), 0.0)
         self.intervals = self.intervals.at(parents).halved(side)
@@ -483,7 +504,7 @@ class _TourSearch:
     def _orders_left(self, behind: FloatArray) -> dict[tuple[int, ...], float] | None:
         """Bounds of all orders that may be shortest.
 
-        They can be as short as the best tour. None if there are many.
+        They can be as short as the best tour. None if there are too many to list.
         """
         if self.n > MOST_IN_SET:
             return None
@@ -565,6 +586,10 @@ def _intervals_at(heading: float | None, count: int) -> Intervals:
 
 
 def _pair_bounds(way: FloatArray, first: Intervals, last: Intervals) -> FloatArray:
+    """Bounds of a leg for all pairs of intervals.
+
+    Shape (first intervals, last intervals).
+    """
     live = np.ones((first.middle.size, last.middle.size), np.int8)
     bounds = np.empty(live.shape)
     words = np.empty(live.shape, np.int8)

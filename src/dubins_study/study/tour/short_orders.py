@@ -47,7 +47,8 @@ class Legs(NamedTuple):
 def short_orders(stops: Stops, effort: Effort) -> Iterator[tuple[int, ...]]:
     """Yield orders that may be short.
 
-    The first is by straight lines, then follow those with headings, the best first.
+    Of more than `_FEW` points, the first order is by straight lines. Of up to `_ON_GRID` points,
+    orders by lengths with headings follow, the best first.
     """
     n = len(stops.points)
     order = _nearest_neighbours(stops.points)
@@ -184,7 +185,8 @@ def _lengths(way: FloatArray, first: FloatArray, last: FloatArray) -> FloatArray
 def _arc_headings(ways: FloatArray) -> FloatArray:
     """Headings with which one arc joins two points.
 
-    The arc leads to a point that is this way off, or from it.
+    The headings are those at one point; `ways` lead from there to the others, shape (n, 2). The arc
+    goes to the other point or comes from it. Headings for nearer points come first.
     """
     distances = np.hypot(*ways.T)
     near = np.argsort(distances, kind="stable")
@@ -226,7 +228,8 @@ def _go(
 ) -> None:
     """Write least costs of going on to a point.
 
-    They are those at the point's headings, from another point on.
+    `following` is filled at the headings of the point `there`, from `costs` at those of the point
+    `here`.
     """
     first, end = begin[there], begin[there + 1]
     following[first:end] = math.inf
@@ -246,7 +249,8 @@ def _costs_along(
 ) -> None:
     """Write least costs along an order.
 
-    They are those up to each of the headings at its points.
+    `costs` is filled at the headings of the order's points: the least cost up to each. `starts` are
+    the costs at the first point.
     """
     first = slice(begin[order[0]], begin[order[0] + 1])
     costs[first] = starts[first]

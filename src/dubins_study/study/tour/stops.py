@@ -21,9 +21,9 @@ class Stops(NamedTuple):
 
     points: FloatArray  # via points, shape (n, 2)
     headings: Sequence[float | None]  # at the via points; None where free
-    first: float | None  # heading at the start
+    first: float | None  # heading at the start; None if free
     target: tuple[float, float] | None  # None: the tour ends at whichever point comes last
-    last: float | None  # heading at the target
+    last: float | None  # heading at the target; None if free
     closed: bool = False  # whether the tour ends with the heading that it starts with, both free
 
     def route(self, order: Sequence[int]) -> tuple[FloatArray, list[float | None]]:
@@ -40,7 +40,8 @@ class Stops(NamedTuple):
     def begun_at(self, place: int) -> Stops:
         """The same loop, begun at another point.
 
-        That is a via point with a heading. The start becomes the first point.
+        The new start is via point `place`, which has a heading. The old start becomes the first via
+        point.
         """
         others = np.delete(self.points, place, axis=0)
         around = np.vstack([np.zeros(2), others]) - self.points[place]
