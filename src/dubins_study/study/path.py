@@ -89,8 +89,8 @@ class Path:
 
         Raises:
             ValueError: if there are no paths, or if two of them do not meet. Two paths meet if the
-                gap is at most 1e-6 of their smallest radius, and if their headings differ by at
-                most 1e-6 rad, full turns left out.
+                gap is at most 1e-6 of their smallest radius, or of the longer path if both are
+                straight, and if their headings differ by at most 1e-6 rad, full turns left out.
         """
         parts = list(paths)
         if not parts:
@@ -99,7 +99,10 @@ class Path:
             away = math.dist(before.end[:2], after.start[:2])
             turned = abs(math.remainder(after.start.heading - before.end.heading, math.tau))
             bends = np.abs(np.concatenate((before.curvatures, after.curvatures)))
-            if not (away * bends.max(initial=0.0) <= _MEETS and turned <= _MEETS):
+            size = max(before.length, after.length)
+            if bends.any():
+                size = 1 / float(bends.max())
+            if not (away <= _MEETS * size and turned <= _MEETS):
                 apart = f"{away:.3g} away, turned by {turned:.3g} rad"
                 raise ValueError(f"path {place + 1} begins {apart}, from the end of path {place}")
         return cls(

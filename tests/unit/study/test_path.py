@@ -297,8 +297,10 @@ def test_paths_that_do_not_meet_are_not_joined():
     assert Path.join([one, near]).length == 2.0
     beside = Path((x + 1e-5, y, heading), [0.5], [1.0])
     turned = Path((x, y, heading + 1e-5), [0.5], [1.0])
-    for wrong in (beside, turned):
+    straight = Path((0.0, 0.0, 0.0), [0.0], [1.0])
+    away = Path((1.1, 0.0, 0.0), [0.0], [1.0])
+    for first, wrong in ((one, beside), (one, turned), (straight, away)):
         with pytest.raises(ValueError, match=r"path 2 begins .* from the end of path 1"):
-            Path.join([one, wrong])
+            Path.join([first, wrong])
     with pytest.raises(ValueError, match="there is no path to join"):
         Path.join([])
