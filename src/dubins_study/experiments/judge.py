@@ -136,6 +136,7 @@ def judge_answers(
     profile = experiment_file.experiment.profile
     limit_s = experiment_file.experiment.time_limit_s
     settings = RunSettings(uuid4().hex[:12], limit_s, executor="file")
+    ids: list[str] = []
     rows: list[Row] = []
     for method in methods:
         for id_, question in with_paths.items():
@@ -144,16 +145,18 @@ def judge_answers(
             prepare(cell.scenario, cell.branch)
             row = row_of(cell, cell.question(), settings, reply)
             # the machine and the threads of another program are not known
-            rows.append({"id": id_} | row | {"machine": _MACHINE, "threads": None})
+            rows.append(row | {"machine": _MACHINE, "threads": None})
+            ids.append(id_)
             if progress is not None:
                 progress(len(rows), len(with_paths) * len(methods))
     if out is not None:
         command = ["dubins-study", "judge", str(file), "--suite", str(suite)]
-        stored = [{name: row[name] for name in row if name != "id"} for row in rows]
         entries = {method: SolverEntry(code_digest=digest) for method in methods}
         manifest = new_manifest(experiment_file, shlex.join(command), entries)
-        _store(FilePath(out), manifest, settings, stored)
-    return pd.DataFrame(rows)
+        _store(FilePath(out), manifest, settings, rows)
+    frame = pd.DataFrame(rows)
+    frame.insert(0, "id", ids)
+    return frame
 
 
 def _cell(method: str, profile: str, digest: str, question: Asked) -> Cell:
@@ -210,8 +213,11 @@ def read_answers(file: FilePath, by_id: dict[str, Asked]) -> dict[tuple[str, str
     if problems:
         rows = []
     for row in rows:
-        cells = {name: row.values.get(name) for name in COLUMNS}
-        values = {name: cell for name, cell in cells.items() if cell not in (None, "")}
+        values = {
+            name: cell
+            for name, cell in row.values.items()
+            if name in COLUMNS and cell not in (None, "")
+        }
         try:
             answer = Given.model_validate({"method": file.stem} | values)
             path = _path(answer, by_id)

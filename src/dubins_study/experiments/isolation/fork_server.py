@@ -226,8 +226,9 @@ def _search_path() -> list[str]:
 
     Files in that directory may hide a package.
     """
+    directory = os.getcwd()  # noqa: PTH109
     entries = [os.path.abspath(entry) for entry in sys.path if entry]  # noqa: PTH100
-    entries = [entry for entry in entries if entry != os.getcwd()]  # noqa: PTH109
+    entries = [entry for entry in entries if entry != directory]
     if _PACKAGE_FOLDER not in entries:
         entries.append(_PACKAGE_FOLDER)
     return entries

@@ -200,13 +200,13 @@ class WorkerProcess:
             allowance = _WAKING
             if self._begun:
                 allowance = self.pending[0].allowance
-            limit_s, margin_s, activity = allowance
-            if seconds > limit_s + margin_s:
-                message = f"stopped after {seconds:.2f} s; the limit is {limit_s:g} s"
+            margin_s = allowance.margin_s
+            if seconds > allowance.limit_s + margin_s:
+                message = f"stopped after {seconds:.2f} s; the limit is {allowance.limit_s:g} s"
                 if margin_s > 1:  # more than an answer needs to arrive
                     message += f", beyond which {margin_s:g} s were allowed"
-                if activity:
-                    message = f"stopped after {seconds:.0f} s of {activity}"
+                if allowance.activity:
+                    message = f"stopped after {seconds:.0f} s of {allowance.activity}"
                 return no_answer(Outcome.TIMEOUT, message, Times(wall_s=seconds))
         limit = self._memory_bytes
         with_children = self._checks % _CHECKS_PER_CHILDREN_CHECK == 0
