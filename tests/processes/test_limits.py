@@ -11,7 +11,6 @@ import sys
 import time
 from concurrent.futures import ThreadPoolExecutor
 from functools import partial
-from pathlib import Path
 
 import pandas as pd
 import pytest
@@ -21,8 +20,8 @@ from dubins_study.experiments.plan.solver_description import describe_solver
 from dubins_study.solvers.registry import available_solvers, load
 from tests.cases import PAPER, question_for, scenario_frame
 from tests.marked import left_behind, marked
+from tests.plugin_files import spec
 
-PLUGINS = Path(__file__).parents[1] / "plugins" / "hanging.py"
 EASY = PAPER["problem 1"]
 
 # Where SCIP's linear solver printed more than a pipe holds, while Pyomo read that pipe only after
@@ -49,7 +48,7 @@ HARD = [
 
 
 def plugin(name: str) -> str:
-    return f"{PLUGINS}:{name}"
+    return spec("hanging", name)
 
 
 def timed(call, bound):
