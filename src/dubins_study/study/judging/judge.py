@@ -46,9 +46,9 @@ def judge(
     start_heading = None
     if scenario.heading is None:
         start_heading = path.start.heading
-    order = None
+    visit_order = None
     if scenario.order is Order.FREE:
-        order = list(map(float, seen.visits.order))
+        visit_order = list(map(float, seen.visits.order))
     verdict = Verdict.MISSES
     if seen.arrives and seen.excess <= tolerances.curvature and scenario.starts(path.start):
         verdict, verdict_columns = kind.verdict(
@@ -63,7 +63,7 @@ def judge(
         travel_time=length / scenario.speed,
         miss=seen.miss,
         visits=list(seen.visits.at) or None,
-        visit_order=order,
+        visit_order=visit_order,
         start_heading=start_heading,
         curvature_excess=seen.excess,
         **columns,
