@@ -133,7 +133,7 @@ def _one_warning_of_letters() -> Iterator[None]:
 
 
 def _status_text(drawn: object, geographic: bool) -> str:
-    """The title's text behind the length, e.g. ` m, proved`.
+    """The title's text behind the length: ` m, proved`.
 
     It names the verdict, or `proved` if the answer is proved. A unit is added if `geographic`, and
     the travel time if the scenario's speed is not 1. The text is empty if nothing is known.
@@ -156,9 +156,9 @@ def _status_text(drawn: object, geographic: bool) -> str:
 
 
 def _mark_earth(ax: Axes) -> None:
-    """Label the axes in metres, with scale bar and north.
+    """Label the axes in metres; add scale and north.
 
-    The scale bar and the arrow to the north stand above the panel.
+    A scale bar and an arrow to the north stand above the panel.
     """
     from mpl_toolkits.axes_grid1.anchored_artists import AnchoredSizeBar
 
@@ -257,7 +257,7 @@ def _reference(drawn: object) -> Path | None:
 
 
 def _subject(drawn: Answered | Path) -> tuple[str, Path, Scenario]:
-    """The name for the legend, the path, and its scenario."""
+    """Name for the legend, path, and its scenario."""
     path = getattr(drawn, "path", None)
     if isinstance(drawn, Path):
         path = drawn

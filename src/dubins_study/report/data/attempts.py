@@ -79,7 +79,7 @@ def legs_of(rows: pd.DataFrame) -> pd.Series[int]:
 
 
 def is_true(values: pd.Series) -> pd.Series[bool]:
-    """A mask of true values; a missing one is false."""
+    """A mask of true values; missing ones are false."""
     return values.eq(True).fillna(False).astype(bool)
 
 
@@ -97,7 +97,7 @@ def false_claims(rows: pd.DataFrame) -> pd.Series[bool]:
 
 
 def presolved(rows: pd.DataFrame) -> pd.Series[bool]:
-    """A mask of the attempts that the presolve answered correctly.
+    """A mask of attempts that the presolve answered correctly.
 
     The presolve was right that no path exists, and no engine was asked. The column `presolved` may
     be true beside any answer, so the verdict has to be `none exists` too. A wrong answer counts as
@@ -119,7 +119,7 @@ def counted(rows: pd.DataFrame) -> pd.DataFrame:
 
 
 def weights(rows: pd.DataFrame) -> pd.Series[float]:
-    """The weight of each attempt: 1 / attempts per trial.
+    """The weights of attempts: 1 / attempts per trial.
 
     Only attempts of one solver at one trial share it. A solver with two right attempts of three has
     2/3 of a question right. The three may be repeats, or one cold and two warm starts.
@@ -129,7 +129,7 @@ def weights(rows: pd.DataFrame) -> pd.Series[float]:
 
 
 def questions(attempts: pd.DataFrame, which: pd.Series[bool]) -> pd.Series[float]:
-    """The number of questions that each solver's attempts make up.
+    """The number of questions in each solver's attempts.
 
     `which` is a mask of the attempts that count, and the result is indexed by solver. It sums the
     weights of these attempts, and is rounded because its last digits depend on the order of the

@@ -85,7 +85,7 @@ def judged_anew(rows: pa.Table, manifest: Manifest) -> tuple[pa.Table, Recheck]:
 
 
 def _checked(row: Mapping[str, Any], manifest: Manifest) -> dict[str, Any]:
-    """The judged columns of a row: column -> new value.
+    """The judged columns of a row, by name.
 
     The check judges the row's controls and claim. A missing value is None.
     """

@@ -39,7 +39,7 @@ _NO_ROWS = pa.schema([ARROW_SCHEMA.field(name) for name in _COLUMNS]).empty_tabl
 
 @dataclass(frozen=True)
 class Folder:
-    """A results folder: its manifest and its counts of rows."""
+    """A results folder: its manifest and row counts."""
 
     manifest: Manifest
     rows: RowCounts

@@ -166,7 +166,7 @@ def _row_counts(
 
 
 def _answerable(rows: pd.DataFrame) -> pd.Series[bool]:
-    """A mask of the rows whose question has an answer.
+    """A mask of rows whose question has an answer.
 
     A judged row has a reference word exactly if its question has an answer. For a row that was not
     judged, the kind of the question decides (`_has_answer`): a leg by the closed form. Every route

@@ -67,7 +67,7 @@ class Table:
 
 
 def _numbers_of(frame: pd.DataFrame, key: str) -> list[float | None]:
-    """The numbers of a column, or None for each row."""
+    """The numbers of a column; None without numbers."""
     # `x_text` shows the number of `x_share` if there is such a column, else that of `x`.
     stem = key.removesuffix("_text")
     names = [key]

@@ -12,7 +12,7 @@ ABSENT = "–"
 
 
 def slug(text: str) -> str:
-    """A text from outside as a part of a file's name.
+    """A text from outside, for a file's name.
 
     It has lower-case letters, digits and dashes, at most 60; `unnamed` if none is left.
     """
@@ -87,7 +87,7 @@ def shortened(text: str, most: int) -> str:
 
 
 def sentences(*each: str) -> str:
-    """Join sentences to one paragraph; empty ones are left out."""
+    """Join sentences to one paragraph, without empty ones."""
     return " ".join(filter(None, each))
 
 

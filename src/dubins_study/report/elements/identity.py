@@ -94,7 +94,7 @@ INTERVAL_TEXT = (
 def with_share(
     frame: pd.DataFrame, name: str, successes: pd.Series, trials: pd.Series
 ) -> pd.DataFrame:
-    """The frame with a share of trials and its interval.
+    """The frame with a share and its interval.
 
     The new columns are `name`_of (the trials), `name`_share (NaN without trials), `name`_low and
     `name`_high (95 %), and `name`_text, which shows all of them.

@@ -27,7 +27,7 @@ _MOST_CHARACTERS = 70
 
 @once
 def names_of(results: Results) -> pd.DataFrame:
-    """A frame of all methods of the page, with labels.
+    """A frame of the page's methods, with labels.
 
     It is the frame of `methods_of`, indexed by solver, with a column `label`: a short name such as
     `Ipopt, joint LRS, zero start`. A selection of the page's results gives the frame of the whole
@@ -147,7 +147,7 @@ def common_part(names: Sequence[str]) -> tuple[str, list[str]]:
 
 
 def one_line(text: str, most: int = _MOST_CHARACTERS) -> str:
-    """A text on one line of at most `most` characters."""
+    """A text on one line, cut to `most` characters."""
     return shortened(" ".join(text.split()), most)
 
 
@@ -244,7 +244,7 @@ class Palette:
 
     @classmethod
     def of(cls, engines: Iterable[str]) -> Self:
-        """A palette of engines, or of solvers by their names.
+        """A palette of engines, or of solvers' names.
 
         The closed form, the reference in every figure, gets the text's colour.
         """
@@ -273,7 +273,7 @@ class Palette:
         return result
 
     def names(self, specs: Iterable[str]) -> dict[str, str]:
-        """Map each solver of a figure to its name there.
+        """Map each solver to its name in a figure.
 
         A name has only the items of the short name that distinguish it (`figure_names`).
         """

@@ -190,7 +190,7 @@ def _page_figure(high: float, *, narrow: bool) -> Figure:
 
 
 def _placed(table: pd.DataFrame, size: float, most: int) -> pd.DataFrame:
-    """The lines of a figure with title, place and column.
+    """A figure's lines with title, place and column.
 
     `size` is that of the font in points; `most` is the largest number of columns. Fewer columns are
     used where the bars would be too short to be read. The added columns: title (the formulation,
@@ -307,7 +307,7 @@ def share_curves(
 
 
 def _draw_shares(ax: Axes, table: pd.DataFrame, names: Mapping[str, str], palette: Palette) -> None:
-    """Draw each column of a table as a step curve.
+    """Draw each column of a table as steps.
 
     Columns with a name are in colour, and in the legend below the axes; others are grey.
     """

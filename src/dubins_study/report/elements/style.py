@@ -200,7 +200,7 @@ _PLACE_DECIMALS = 6  # of the figure's size: less than a thousandth of a point
 
 
 def fix_layout(figure: Figure) -> None:
-    """Compute the layout of a figure once, for all files.
+    """Compute a figure's layout once, for all files.
 
     The figure is changed in place: its axes keep their places. The layout takes most of the time of
     saving.

@@ -82,7 +82,7 @@ def breakable(text: str) -> Markup:
 
 
 def choice(text: str, kind: str) -> Markup:
-    """A text of several lines as HTML, the first line bold.
+    """A text as HTML, its first line bold.
 
     The first line is code if `kind` contains `spec`: a spec to be typed. A text of one line is only
     escaped.
@@ -96,7 +96,7 @@ def choice(text: str, kind: str) -> Markup:
 
 
 def linked(text: str, sections: Sequence[Section], page: str) -> Markup:
-    """The title of a section as a link from `page`.
+    """A section's title as a link from `page`.
 
     `text` is the title, which may be followed by a colon and more text. It stays without a link if
     the page has the section once per experiment. If the report has no such section, "(not on this
@@ -162,7 +162,7 @@ def styles() -> Markup:
 
 
 def stylesheets(names: Sequence[str]) -> Markup:
-    """Style sheets of the templates as one text, in order.
+    """Style sheets of the templates as one text.
 
     A later rule wins.
     """

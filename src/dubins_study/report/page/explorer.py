@@ -53,7 +53,7 @@ PRESETS = (
 
 
 def _drawing(name: str) -> str:
-    """An SVG file of the templates as a data URL.
+    """A drawing of the templates as a data URL.
 
     As an image, its styles cannot affect the page.
     """
@@ -77,9 +77,9 @@ def _explorer() -> Markup:
 
 
 def explorer_section(results: Results) -> Section:
-    """The section on the problem: a picture and the explorer.
+    """The section on the problem, with the explorer.
 
-    The picture has two paths that arrive. The section is the same for all results.
+    A picture shows two paths that arrive. The section is the same for all results.
     """
     lead = "Which path from the start to the target is the shortest?"
     two_paths = (

@@ -61,7 +61,7 @@ class Glossed:
         self._used: set[Word] = set()
 
     def __call__(self, text: str) -> Markup:
-        """A text as HTML, each new word as a link.
+        """A text as HTML, with links to the glossary.
 
         A word is new if no earlier text of the page has a link for it.
         """

@@ -73,7 +73,7 @@ _SHOWN = (
 
 
 def dictionary(sections: Iterable[Section]) -> Table:
-    """A table that explains all columns of all CSV files.
+    """A table that explains the columns of CSV files.
 
     It has one line for each column, in the order of the page.
     """
@@ -88,7 +88,7 @@ def dictionary(sections: Iterable[Section]) -> Table:
 
 
 def _headings(table: Table) -> dict[str, str]:
-    """Map each column of the CSV file to its heading.
+    """Map each column of a CSV file to its heading.
 
     The heading is empty for a column that the page does not show.
     """
@@ -113,7 +113,7 @@ _ID = re.compile(r' id="|href="#|url\(#')  # the text before an id
 
 
 def inline(svg: str, name: str, alt: str) -> Markup:
-    """An SVG file's text as an element of the page.
+    """An SVG file's text as an HTML element.
 
     `name` is put before its ids, so that ids of several figures differ. Colours become variables of
     the page. `alt` is the text for readers who do not see it.

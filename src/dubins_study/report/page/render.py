@@ -181,7 +181,7 @@ def _without_rows() -> Section:
 def _write_whole(
     target: FilePath, sections: Sequence[Section], runs: Sequence[Folder], head: Head
 ) -> None:
-    """Write all files, and put them at `target` at once.
+    """Write all files, then rename them to `target`.
 
     They are written to a temporary folder beside the target, which is then renamed. A reader never
     sees an incomplete report.
@@ -247,10 +247,10 @@ def _write(
 
 
 def _write_picture(picture: Picture, folder: FilePath) -> dict[str, Markup]:
-    """Write a figure's SVG and PDF files into a folder.
+    """Write a figure's files; return its HTML elements.
 
-    The HTML elements for the page come back by name: the wide figure's, and `NAME-narrow` if the
-    picture has a narrow one.
+    The files are SVG and PDF, in `folder`. The elements are by name: the wide figure's, and
+    `NAME-narrow` if the picture has a narrow one.
     """
     fix_layout(picture.figure)
     svg = figure_bytes(picture.figure, "svg")

@@ -90,7 +90,7 @@ def audit() -> Record:
 
 
 def _cells(row: PrintedRow) -> Iterator[Record]:
-    """Yield a record for each printed length of a row.
+    """Yield a record for each length of a row.
 
     The printed 0 of the missing turn has no record.
     """
@@ -118,14 +118,14 @@ def _with_total(z: Pieces) -> list[arb]:
 
 
 class Accident(NamedTuple):
-    """One way to print a row: its verdict, and the cells."""
+    """One way to print a row: verdict and cells."""
 
     verdict: str
     row: list[Decimal]
 
 
 def _accidents(exact: Sequence[arb], bias: Sequence[arb]) -> list[Accident]:
-    """The accidents that are tried, in the order of preference."""
+    """The accidents that are tried, the preferred ones first."""
     twice = [
         Accident(DOUBLE, [rounded_twice(value, first, _PLACES) for value in exact])
         for first in range(_PLACES + 1, _MOST_PLACES + 1)
@@ -139,7 +139,7 @@ def _accidents(exact: Sequence[arb], bias: Sequence[arb]) -> list[Accident]:
 
 
 def _accident_of(place: int, row: PrintedRow, accidents: Sequence[Accident]) -> str:
-    """The verdict on a cell that is no correct rounding.
+    """The verdict on a cell that is wrongly rounded.
 
     `place` is the cell's number in the row.
     """
@@ -190,7 +190,7 @@ def _algorithm() -> list[Record]:
 
 
 def _crossing(position: str, problem: Problem) -> Record:
-    """A record of the lengths just beyond the radius R*.
+    """A record of lengths just beyond the radius R*.
 
     The right circle is computed as the left one of the mirror image.
     """
@@ -276,7 +276,7 @@ def _range(crossings: list[Record]) -> str:
 
 
 def _is_ticks(printed: str) -> bool:
-    """Whether a printed time is a whole number of clock ticks.
+    """Whether a printed time is whole clock ticks.
 
     The clock has 64 ticks a second; the time is rounded to 3 decimals.
     """

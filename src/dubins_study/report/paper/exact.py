@@ -89,7 +89,7 @@ def heading(problem: Problem) -> arb:
 
 
 def target(problem: Problem, radius: arb) -> acb:
-    """The target as seen from the vehicle at the start.
+    """The target in the vehicle's frame at the start.
 
     The length unit is `radius`. The conjugate of the result is the target of the mirrored problem.
     """
@@ -97,7 +97,7 @@ def target(problem: Problem, radius: arb) -> acb:
 
 
 def after_left(at: acb, angle: arb) -> acb:
-    """A target in the vehicle's frame after a left turn.
+    """The target as seen after a left turn.
 
     `at` is the target before the turn; the turn is by `angle` (rad), at unit radius.
     """
@@ -118,10 +118,10 @@ def left_straight(at: acb) -> tuple[arb, arb]:
 
 
 def pieces(problem: Problem, word: str) -> Pieces:
-    """z1, z2, z3 of the paper's LS or RS, exactly.
+    """z1, z2, z3 of the paper's LS or RS.
 
-    They are in the length unit. One of the turns z1 and z2 is 0. An assertion checks that the path
-    arrives.
+    They are balls around the exact values, in the length unit. One of the turns z1 and z2 is 0. An
+    assertion checks that the path arrives.
     """
     at = target(problem, arb(problem.radius))
     if word != "LS":
@@ -135,7 +135,7 @@ def pieces(problem: Problem, word: str) -> Pieces:
 
 
 def miss(problem: Problem, z: Sequence[arb]) -> arb:
-    """Distance of the target from the end of path z.
+    """Distance of the target from a path's end.
 
     It is the length of the vector (4.10) + i (4.11).
     """

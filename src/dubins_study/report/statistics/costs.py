@@ -77,7 +77,7 @@ def chosen_shift(values: ArrayLike) -> float:
 
 
 def penalised(table: pd.DataFrame, limit: float, factor: float = 1.0) -> pd.DataFrame:
-    """The cost table with each failure at a finite cost.
+    """The cost table with failures at a penalty.
 
     A failure costs `factor` times the limit, and so does a cost above the limit. `limit` is the
     limit of an attempt, in the unit of the table. NaN stays NaN.
@@ -86,11 +86,12 @@ def penalised(table: pd.DataFrame, limit: float, factor: float = 1.0) -> pd.Data
 
 
 def ranking(table: pd.DataFrame, limit: float, shift: float) -> pd.DataFrame:
-    """Ranks of solvers, where shift and penalty do not matter.
+    """Ranks of solvers; missing where they depend on choices.
 
-    A rank orders the shifted geometric means of penalised costs, over the questions put to all
-    solvers. Each of `SHIFT_FACTORS` (times `shift`) with each of `PENALTIES` (times `limit`) gives
-    one ranking. The limit of an attempt and the shift are in the unit of the table.
+    The choices are shift and penalty. A rank orders the shifted geometric means of penalised costs,
+    over the questions put to all solvers. Each of `SHIFT_FACTORS` (times `shift`) with each of
+    `PENALTIES` (times `limit`) gives one ranking. The limit of an attempt and the shift are in the
+    unit of the table.
 
     Indexed by solver. Columns: rank (1 is best, equal means share the better rank, <NA> if the
     rankings differ), best and worst (the ends of the range of ranks).

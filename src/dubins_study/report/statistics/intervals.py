@@ -72,7 +72,7 @@ def _tail(of: int) -> float:
 def scenario_shares(
     rows: pd.DataFrame, *, by: Sequence[str], success: str, scenario: Sequence[str]
 ) -> pd.DataFrame:
-    """The share of successes in each group, with Wilson's interval.
+    """The share of successes in each group.
 
     Repeats of a scenario are one trial. The share is the mean over scenarios of each scenario's
     success rate. Its interval is Wilson's for as many trials as there are scenarios (see
@@ -152,11 +152,10 @@ def bootstrap(
 def bootstrap_of_both(table: pd.DataFrame, engines: Sequence[str], of: int = 1) -> pd.DataFrame:
     """The mean of a table, over scenarios and engines.
 
-    Its interval holds for other scenarios and engines than those that were sampled, if they are of
-    the same sort. A resample draws scenarios with replacement, draws engines with replacement, and
-    takes the values where both meet (Owen 2007, "The pigeonhole bootstrap", Ann. Appl. Stat. 1).
-    The ends are as in `bootstrap`. If the mean is one of `of` means, all their intervals hold at
-    once.
+    Its interval is meant for other scenarios and engines of the same sort, too. A resample draws
+    scenarios with replacement, draws engines with replacement, and takes the values where both meet
+    (Owen 2007, "The pigeonhole bootstrap", Ann. Appl. Stat. 1). The ends are as in `bootstrap`. If
+    the mean is one of `of` means, all their intervals hold at once.
 
     The index of the table names the scenario of each row, and `engines` the engine of each column.
     NaN was not measured. The result has one row (`all`) with the columns estimate, low and high;
@@ -250,13 +249,14 @@ def geometric_means(shift: float) -> Statistic:
 
 
 class PairedTest(NamedTuple):
-    """The result of a two-sided paired test of two solvers.
+    """The result of a paired test of two solvers.
 
-    A solver is compared with a rival on the same questions, by costs (see `costs`). `pairs`
-    questions were compared; the solver was cheaper in `wins`, dearer in `losses` and equal in
-    `ties`. `p` is the probability of a difference at least as large if there is none; it is 1 if
-    there are only ties. A failure loses to every right answer, two failures tie, and a pair with
-    NaN is left out. Repeats are not independent: each question has one value, such as their median.
+    The test is two-sided. It compares a solver with a rival on the same questions, by costs (see
+    `costs`). `pairs` questions were compared; the solver was cheaper in `wins`, dearer in `losses`
+    and equal in `ties`. `p` is the probability of a difference at least as large if there is none;
+    it is 1 if there are only ties. A failure loses to every right answer, two failures tie, and a
+    pair with NaN is left out. Repeats are not independent: each question has one value, such as
+    their median.
     """
 
     pairs: int

@@ -92,9 +92,10 @@ def _settings_texts(stated: pd.DataFrame, guesses: pd.Series[str]) -> dict[str, 
 
 
 def _sentence_name(engine: str, details: str, formulation: str) -> str:
-    """A method's name in a sentence, e.g. `Ipopt (zero) on X`.
+    """A method's name in a sentence.
 
-    X is the formulation. The parentheses with the details are left out if there are none.
+    An example is `Ipopt (zero) on joint NLP`. The parentheses with the details are left out if
+    there are none.
     """
     if details:
         engine += f" ({details})"
@@ -135,7 +136,7 @@ def _ranked(frame: pd.DataFrame, low: str = "right_low") -> pd.DataFrame:
 
 
 def by_support(rows: pd.DataFrame, keys: list[str]) -> pd.DataFrame:
-    """A row per group of attempts, the best supported first.
+    """A row per group, the best supported first.
 
     `rows` are those of `Compared.rows`, and `keys` are the columns that define a group. The columns
     are those of `scenario_shares`, with a question as a trial, and wall_s, the median time (s).
@@ -291,7 +292,7 @@ class Compared:
 
 
 def once(compute: Callable[[Rows], T]) -> Callable[[Rows], T]:
-    """Wrap a function so that equal rows are computed once.
+    """Wrap a function to compute equal rows once.
 
     The result is kept as long as the rows object exists. Callers share the result, so nobody may
     change it.
@@ -337,7 +338,7 @@ def compared(results: Results) -> Compared | None:
 
 
 def stratum_order(results: Results, labels: Iterable[str]) -> list[str]:
-    """The distinct labels in the order of the experiments' files.
+    """The distinct labels in the order of the files.
 
     A label that no file names comes last.
     """

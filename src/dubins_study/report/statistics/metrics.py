@@ -48,7 +48,7 @@ def natural(text: str) -> tuple[tuple[bool, float, str], ...]:
 def solver_order(solvers: Sequence[str]) -> list[str]:
     """The distinct solvers in the order of tables.
 
-    Plug-ins' solvers come first, then the closed form, then all others by name. Of one name, the
+    Plug-ins' solvers come first, then the closed form, then all others by name. Of equal names, the
     solver with fewer settings comes first.
     """
 
@@ -68,7 +68,7 @@ def success(rows: pd.DataFrame) -> pd.Series[bool]:
 
 
 def proof(rows: pd.DataFrame) -> pd.Series:
-    """The kind of proof of each attempt; `none` without one."""
+    """The kind of each attempt's proof, or `none`."""
     proofs = rows["proof"].astype(object)
     return proofs.where(proofs.isin(PROOFS), "none")
 

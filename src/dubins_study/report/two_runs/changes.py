@@ -38,7 +38,7 @@ def pairs(base: Results, new: Results) -> pd.DataFrame:
 
 
 def unpaired(base: Results, new: Results, pairs: pd.DataFrame) -> pd.DataFrame:
-    """How many questions of a solver only one run has.
+    """Numbers of questions that only one run has.
 
     Columns solver, only_base, only_new. Solvers without such questions are left out.
     """
@@ -173,9 +173,9 @@ def lost(pairs: pd.DataFrame) -> pd.Series[bool]:
 
 
 def newly_false(pairs: pd.DataFrame) -> pd.Series[bool]:
-    """A mask of questions with a false claim in the new run only.
+    """A mask of questions with a new false claim.
 
-    A false bound counts as a false claim.
+    The claim or bound is false in the new run only.
     """
     return pairs["false_new"] & ~pairs["false_base"]
 
@@ -191,12 +191,15 @@ def less_accurate(pairs: pd.DataFrame) -> pd.Series[bool]:
 
 
 def _right_in_both(pairs: pd.DataFrame) -> pd.Series[bool]:
-    """A mask of answerable questions right in all repeats of both."""
+    """A mask of questions right in both runs.
+
+    Such a question has an answer, and all repeats of both runs are right.
+    """
     return pairs["answerable"] & pairs["right_base"].eq(1) & pairs["right_new"].eq(1)
 
 
 def _times(pairs: pd.DataFrame) -> dict[str, object]:
-    """Geometric mean times (s) of both runs, and their ratio.
+    """Mean times (s) of both runs, and their ratio.
 
     Only questions that are right in both runs count. Keys: timed (their number), time_base,
     time_new, and those of `TIME_RATIO`.

@@ -1,4 +1,4 @@
-"""Compare two runs, and write a page about the differences."""
+"""Compare two runs, and write a page about it."""
 
 from __future__ import annotations
 
@@ -181,7 +181,7 @@ def _solvers(comparison: Comparison) -> Section:
 
 
 def unpaired_text(comparison: Comparison) -> str:
-    """A sentence on the questions that only one run was asked."""
+    """A sentence on questions of one run only."""
     frame = comparison.unpaired
     if frame.empty:
         return "Both were asked the same questions."

@@ -77,9 +77,9 @@ def unanswered(results: Results) -> pd.DataFrame:
 def regressions(
     pairs: pd.DataFrame, changes: pd.DataFrame, unanswered: pd.DataFrame, slower: float
 ) -> pd.DataFrame:
-    """A table of what became worse, in the order of the kinds.
+    """What became worse, in the order of kinds.
 
-    Its columns are those of `Comparison.regressions`. `unanswered` has the solvers of the new run
+    The columns are those of `Comparison.regressions`. `unanswered` has the solvers of the new run
     that lack rows. `slower` is infinite where the machine's speed is not known; then no solver is
     called slower.
     """
@@ -101,7 +101,7 @@ def regressions(
 
 
 def _share_changed(changes: pd.DataFrame) -> pd.Series[bool]:
-    """A mask of solvers whose share right changed for sure.
+    """A mask of solvers whose share right changed.
 
     The sign test's p is below the level `ALPHA`.
     """
@@ -109,7 +109,7 @@ def _share_changed(changes: pd.DataFrame) -> pd.Series[bool]:
 
 
 def _timed(changes: pd.DataFrame) -> pd.Series[bool]:
-    """A mask of the solvers whose times can be compared.
+    """A mask of solvers with comparable times.
 
     Their code changed, and enough of their questions have times. The times of unchanged solvers
     differ by the machine only.
@@ -225,7 +225,7 @@ def differences(base: Manifest, new: Manifest) -> pd.DataFrame:
 
 
 def _facts(manifest: Manifest) -> pd.Series[Any]:
-    """The facts of a manifest that comparisons show, by name."""
+    """The facts of a manifest, by name."""
     plain = ("profile", "time_limit_s", "memory_limit_gib", "gap_tolerance")
     jobs = sorted({str(run.jobs) for run in manifest.runs})
     facts = {
