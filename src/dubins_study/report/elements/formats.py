@@ -51,8 +51,8 @@ def digits(n: int) -> Format:
 def share(value: Any) -> str:
     """A share from 0 to 1 as a percentage.
 
-    Only 1 itself is written as 100 %, and only 0 as 0 %: shares near them are `>99.9 %` and `<0.1
-    %`.
+    Only 1 itself is written as 100 %, and only 0 as 0 %. Shares near them become `<0.1 %` and
+    `>99.9 %`.
     """
     percent = 100 * float(value)
     if 0 < percent < 0.1:

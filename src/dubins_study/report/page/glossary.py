@@ -63,7 +63,7 @@ class Glossed:
     def __call__(self, text: str) -> Markup:
         """A text as HTML, with links to the glossary.
 
-        A word is new if no earlier text of the page has a link for it.
+        A word is a link unless an earlier text of the page has one for it.
         """
         html = Markup("")
         end = 0

@@ -108,7 +108,8 @@ def left_straight(at: acb) -> tuple[arb, arb]:
     """Turn (rad) and straight of LS, at unit radius.
 
     The target must be outside the left turning circle. Seen from the circle's centre, the target
-    lies the straight along and 1 across the direction of arrival.
+    lies as far ahead as the straight is long, and 1 to the right; ahead is the direction of
+    arrival.
     """
     straight = (abs(at - 1j) ** 2 - 1).sqrt()
     turn = (1 + 1j * at).arg() - straight.atan()

@@ -152,10 +152,10 @@ def bootstrap(
 def bootstrap_of_both(table: pd.DataFrame, engines: Sequence[str], of: int = 1) -> pd.DataFrame:
     """The mean of a table, over scenarios and engines.
 
-    Its interval is meant for other scenarios and engines of the same sort, too. A resample draws
-    scenarios with replacement, draws engines with replacement, and takes the values where both meet
-    (Owen 2007, "The pigeonhole bootstrap", Ann. Appl. Stat. 1). The ends are as in `bootstrap`. If
-    the mean is one of `of` means, all their intervals hold at once.
+    Its interval holds beyond the sampled scenarios and engines: for others of the same sort, too. A
+    resample draws scenarios with replacement, draws engines with replacement, and takes the values
+    where both meet (Owen 2007, "The pigeonhole bootstrap", Ann. Appl. Stat. 1). The ends are as in
+    `bootstrap`. If the mean is one of `of` means, all their intervals hold at once.
 
     The index of the table names the scenario of each row, and `engines` the engine of each column.
     NaN was not measured. The result has one row (`all`) with the columns estimate, low and high;

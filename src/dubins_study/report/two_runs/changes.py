@@ -54,8 +54,8 @@ def unpaired(base: Results, new: Results, pairs: pd.DataFrame) -> pd.DataFrame:
 def _questions(results: Results) -> pd.DataFrame:
     """A row per solver and question of one run.
 
-    Columns: those of the scenario, answerable, right, false, gap and time, as in `pairs`. Questions
-    that are left open are left out.
+    Columns: those of the scenario, answerable, right, false, gap and time, as in `pairs`. Open
+    questions have no row.
     """
     rows = results.rows[~results.rows["left_open"]]
     false = rows["false_claim"].eq(True) | rows["false_bound"].eq(True)
