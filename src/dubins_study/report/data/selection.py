@@ -154,6 +154,11 @@ def _is_current(rows: pd.DataFrame, manifests: Sequence[Manifest]) -> pd.Series[
 def _row_counts(
     current: pd.Series[bool], pairs: pd.DataFrame, gap_tolerance: float, other_limits: int
 ) -> RowCounts:
+    """The counts of one folder's rows.
+
+    `current` masks the folder's rows of current code. `pairs` are its rows that an earlier row of
+    the cell replaces, beside that row (`compare_attempts`).
+    """
     other_code = pairs["code_digest"] != pairs["code_digest_kept"]
     differ = differences(pairs, gap_tolerance).any(axis="columns")
     return RowCounts(

@@ -174,6 +174,10 @@ def biased(problem: Problem, word: str) -> Pieces:
         return left_straight(after_left(at, base + first).conjugate())
 
     def excess(first: float) -> float:
+        """Slope minus weighted pull; zero at the stationary point.
+
+        `first` is how far (rad) the first turn exceeds that of the exact path.
+        """
         z2, z3 = second(first)
         drift = 2 * after_left(at, base + first).real / z3
         slope = 2 * (1 - z2.cos())
