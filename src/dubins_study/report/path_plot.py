@@ -42,8 +42,8 @@ class PlotError(DubinsStudyError, ValueError):
 class Answered(Protocol):
     """An answer that can be drawn.
 
-    `dubins_study.solve` returns one. One that also has a branch and a verdict `longer` or `misses`
-    is drawn beside the shortest path.
+    `dubins_study.solve` returns one. If the answer also has a branch and a verdict `longer` or
+    `misses`, it is drawn beside the shortest path.
     """
 
     @property
@@ -117,9 +117,10 @@ def plot_path(
 
 @contextmanager
 def _one_warning_of_letters() -> Iterator[None]:
-    """Warn once that the font lacks letters.
+    """Log one warning if the font lacks letters.
 
-    Matplotlib warns of each letter of a name.
+    Matplotlib warns of each such letter of a name. These warnings are dropped; all others are
+    raised again.
     """
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
@@ -132,9 +133,10 @@ def _one_warning_of_letters() -> Iterator[None]:
 
 
 def _status_text(drawn: object, geographic: bool) -> str:
-    """The title's text behind the length.
+    """The title's text behind the length: ` m, proved`.
 
-    Proof or verdict, and the time at a given speed.
+    It names the verdict, or `proved` if the answer is proved. A unit is added if `geographic`, and
+    the travel time if the scenario's speed is not 1. The text is empty if nothing is known.
     """
     text = ""
     second = ""
@@ -154,9 +156,9 @@ def _status_text(drawn: object, geographic: bool) -> str:
 
 
 def _mark_earth(ax: Axes) -> None:
-    """Label the axes in metres.
+    """Label the axes in metres; add scale and north.
 
-    Above the panel are a scale bar and an arrow to the north.
+    A scale bar and an arrow to the north stand above the panel.
     """
     from mpl_toolkits.axes_grid1.anchored_artists import AnchoredSizeBar
 
@@ -195,9 +197,10 @@ def _plot(
     status: str,
     geographic: bool,
 ) -> None:
-    """Draw the paths of a scenario.
+    """Draw named paths of one scenario on the axes.
 
-    A leg with a free final heading has two paths, other scenarios have one.
+    `named_paths` has one or two paths for a leg with a free final heading, and one path for all
+    other scenarios.
     """
     if kind_of(scenario).drawing == "route":
         [(name, path)] = named_paths.items()
@@ -211,7 +214,7 @@ def _plot(
 def _plot_leg(ax: Axes, named_paths: Mapping[str, Path], scenario: Scenario, status: str) -> None:
     """Draw one or two paths of one leg.
 
-    The known facts stand with the name of the last one.
+    `status` (verdict and time) is added to the last path's name only: it is the answer's.
     """
     texts = {
         labelled(name, short_word(path.word(1e-2), 24) or "–", path): path
@@ -237,9 +240,10 @@ def check_format(file: str | FilePath) -> FilePath:
 
 
 def _reference(drawn: object) -> Path | None:
-    """The shortest path beside a worse answer.
+    """The shortest path to draw beside a worse answer.
 
-    It is the path of the answer's branch; None unless the answer is longer or misses the target.
+    The path is that of the answer's branch. None comes back unless the answer is longer or misses
+    the target.
     """
     branch = getattr(drawn, "branch", None)
     scenario = getattr(drawn, "scenario", None)
@@ -253,10 +257,7 @@ def _reference(drawn: object) -> Path | None:
 
 
 def _subject(drawn: Answered | Path) -> tuple[str, Path, Scenario]:
-    """The name, the path, and the path's scenario.
-
-    The name is for the legend.
-    """
+    """Name for the legend, path, and its scenario."""
     path = getattr(drawn, "path", None)
     if isinstance(drawn, Path):
         path = drawn

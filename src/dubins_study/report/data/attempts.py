@@ -1,7 +1,4 @@
-"""Attempts as they are counted.
-
-The verdict that counts, and each attempt's weight in a trial.
-"""
+"""Count attempts: verdicts, weights and questions by solver."""
 
 from __future__ import annotations
 
@@ -45,8 +42,9 @@ TOLERANCES = 10.0
 def own_name(spec: str) -> str:
     """The name of a plug-in's solver, without settings.
 
-    Empty for a solver of this package. >>> own_name("a/my_solver.py:MySolver[guesses=8]"),
-    own_name("ipopt[presolve=True]") ('MySolver', '')
+    A solver of another installed package counts as a plug-in's. For a solver of this package the
+    name is empty: `a/my_solver.py:MySolver[guesses=8]` gives `MySolver`, `ipopt[presolve=True]`
+    gives an empty text.
     """
     name = name_of(spec)
     if plugin := plugin_file(name):
@@ -56,15 +54,15 @@ def own_name(spec: str) -> str:
 
 @cache
 def _installed() -> frozenset[str]:
-    """The solvers of other installed packages."""
+    """Names of solvers that other installed packages register."""
     points = entry_points(group="dubins_study.solvers")
     return frozenset(p.name for p in points if p.dist and p.dist.name != "dubins-study")
 
 
 def own(specs: Iterable[str]) -> list[str]:
-    """The specs of plug-ins' solvers.
+    """The specs of plug-ins' solvers, in the given order.
 
-    Tables list these before all others.
+    Tables list these solvers before all others.
     """
     return [spec for spec in specs if own_name(spec)]
 
@@ -72,8 +70,8 @@ def own(specs: Iterable[str]) -> list[str]:
 def legs_of(rows: pd.DataFrame) -> pd.Series[int]:
     """The number of legs of each row's scenario.
 
-    Each via point has one leg that ends there, and so has the target. A tour that may end at any of
-    its points has as many legs as points.
+    A leg ends at each via point. One more ends at the target, or at the start of a closed path. A
+    tour that may end at any of its points has as many legs as points.
     """
     via = rows["via_x"].map(lambda via: len(numbers_of("via_x", via) or ()))
     ends = rows["target_x"].notna() | is_true(rows["closed"])
@@ -81,18 +79,17 @@ def legs_of(rows: pd.DataFrame) -> pd.Series[int]:
 
 
 def is_true(values: pd.Series) -> pd.Series[bool]:
-    """Whether each value is true.
-
-    A missing one is not.
-    """
+    """A mask of true values; missing ones are false."""
     return values.eq(True).fillna(False).astype(bool)
 
 
 def false_claims(rows: pd.DataFrame) -> pd.Series[bool]:
-    """Claims that are false by more than the engine's tolerance.
+    """A mask of claims that are certainly false.
 
-    The tolerance explains a path that misses by at most ten times as much, relative to the path's
-    length, or to a larger radius. A maker's own tolerance is not known, so it explains nothing.
+    A path that misses is excused if the engine's tolerance may explain its miss. It may be up to
+    `TOLERANCES` (10) times the tolerance, relative to the larger of the path's length and the
+    radius. Nothing is excused where the row has no tolerance, because the engine kept its maker's
+    own.
     """
     scale = np.maximum(rows["length"], rows["radius"])
     explained = rows["miss"] <= TOLERANCES * rows["tolerance"] * scale
@@ -100,10 +97,11 @@ def false_claims(rows: pd.DataFrame) -> pd.Series[bool]:
 
 
 def presolved(rows: pd.DataFrame) -> pd.Series[bool]:
-    """Whether the presolve answered each attempt correctly.
+    """A mask of attempts that the presolve answered correctly.
 
-    It was right that no path exists, and no engine was asked. A row may say so of any answer. A
-    wrong answer counts as the solver's, whichever part of it was wrong.
+    The presolve was right that no path exists, and no engine was asked. The column `presolved` may
+    be true beside any answer, so the verdict has to be `none exists` too. A wrong answer counts as
+    the solver's, whichever part of the solver was wrong.
     """
     return is_true(rows["presolved"]) & is_true(rows["verdict"].eq("none exists"))
 
@@ -111,8 +109,9 @@ def presolved(rows: pd.DataFrame) -> pd.Series[bool]:
 def counted(rows: pd.DataFrame) -> pd.DataFrame:
     """The rows with counted verdicts and weights.
 
-    `weight` is a part of a question. What the presolve answered correctly is no success of an
-    engine, and neither is a late answer.
+    In the column `verdict`, a correct answer of the presolve becomes `PRESOLVED`. A right answer
+    after the limit becomes `LATE`. Neither is a success of an engine. The column `weight` is added:
+    the part of a question that the attempt counts as (`weights`).
     """
     late = is_true(rows["late"]) & rows["verdict"].isin(SUCCESSES)
     verdict = rows["verdict"].mask(presolved(rows), PRESOLVED).mask(late, LATE)
@@ -120,20 +119,21 @@ def counted(rows: pd.DataFrame) -> pd.DataFrame:
 
 
 def weights(rows: pd.DataFrame) -> pd.Series[float]:
-    """Weights of attempts: 1 over attempts per trial.
+    """The weights of attempts: 1 / attempts per trial.
 
-    The solver's own attempts at the same trial. Of two right attempts in three a solver has 2/3 of
-    a question right, whether the three are repeats, or a cold and two warm starts.
+    Only attempts of one solver at one trial share it. A solver with two right attempts of three has
+    2/3 of a question right. The three may be repeats, or one cold and two warm starts.
     """
     trials = rows.groupby(["solver", *TRIAL], observed=True, dropna=False)
     return 1.0 / trials["solver"].transform("size")
 
 
 def questions(attempts: pd.DataFrame, which: pd.Series[bool]) -> pd.Series[float]:
-    """Numbers of questions by solver.
+    """The number of questions in each solver's attempts.
 
-    The weights of the chosen attempts are added. The sum is rounded, since its last digits depend
-    on the order.
+    `which` is a mask of the attempts that count, and the result is indexed by solver. It sums the
+    weights of these attempts, and is rounded because its last digits depend on the order of the
+    rows.
     """
     return attempts["weight"].where(which, 0.0).groupby(attempts["solver"]).sum().round(6)
 
@@ -141,7 +141,8 @@ def questions(attempts: pd.DataFrame, which: pd.Series[bool]) -> pd.Series[float
 def methods(rows: pd.DataFrame) -> pd.DataFrame:
     """One row per solver with its method.
 
-    Columns solver, formulation, engine, guess; several guesses are joined by or.
+    Columns solver, formulation, engine, guess. If a solver's rows state several values, these are
+    joined by "or", e.g. `none or warm`.
     """
     stated = rows[["solver", *_METHOD]].drop_duplicates()
     return stated.groupby("solver").agg(_joined).reset_index()

@@ -1,4 +1,7 @@
-"""The columns that ask a row's question again."""
+"""The columns of a row that define its scenario.
+
+A command line that asks the question again is made from these columns.
+"""
 
 from __future__ import annotations
 

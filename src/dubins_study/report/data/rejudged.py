@@ -1,6 +1,6 @@
-"""Judge rows of another set-up anew.
+"""Judge the rows of another set-up again.
 
-The check reads their controls when the rows are read.
+The check runs on the stored controls while the report reads the rows.
 """
 
 from __future__ import annotations
@@ -35,10 +35,7 @@ _CHECKED = [f.name for f in (*fields(Judgement), *fields(Certificate)) if f.name
 
 
 class Recheck(NamedTuple):
-    """Numbers of rows that were judged anew.
-
-    It also counts the rows that were not, and the differences.
-    """
+    """The counts of rows that were judged again."""
 
     judged: int
     left: int  # answers to convex problems, which rows do not hold
@@ -47,9 +44,9 @@ class Recheck(NamedTuple):
 
 
 def same_set_up(one: Manifest, other: Manifest) -> bool:
-    """Whether two folders' runs had one set-up.
+    """Whether the runs of two folders had one set-up.
 
-    One machine, and one version of each package of both.
+    One set-up is one machine, and equal versions of the packages that both manifests name.
     """
     shared = one.versions.keys() & other.versions.keys()
     alike = all(one.versions[name] == other.versions[name] for name in shared)
@@ -57,10 +54,12 @@ def same_set_up(one: Manifest, other: Manifest) -> bool:
 
 
 def judged_anew(rows: pa.Table, manifest: Manifest) -> tuple[pa.Table, Recheck]:
-    """The rows judged anew, and the differences.
+    """Judge rows again; return the new rows and `Recheck`.
 
-    The differences are those from the folder's verdicts. An attempt that did not return has the
-    verdict `none`. Questions that a solver does not take, and convex problems, stay as they are.
+    The rows come back with new values in the columns of `Judgement` and `Certificate`. `Recheck`
+    counts where these differ from the folder's. An attempt that did not return is judged as without
+    a path. Two kinds of rows are not judged and keep their values: questions that a solver does not
+    take, and convex problems.
     """
     records = rows.to_pylist()
     left = sum(row["branch"] in BRANCHES_WITHOUT_PATH for row in records)
@@ -68,14 +67,14 @@ def judged_anew(rows: pa.Table, manifest: Manifest) -> tuple[pa.Table, Recheck]:
         place: _checked(row, manifest)
         for place, row in enumerate(records)
         if row["branch"] not in BRANCHES_WITHOUT_PATH and row["outcome"] != UNTAKEN
-    }
+    }  # place of the row -> its judged columns
     changed = 0
     differing: Counter[str] = Counter()
     for place, new in new_values.items():
         columns = [name for name in _NAMED if not _agree(records[place][name], new[name])]
         changed += bool(columns)
         differing.update(columns)
-    for name in _CHECKED:
+    for name in _CHECKED:  # a row that was not judged keeps its stored value
         values = [new_values.get(place, row)[name] for place, row in enumerate(records)]
         field = rows.schema.field(name)
         rows = rows.set_column(
@@ -86,9 +85,9 @@ def judged_anew(rows: pa.Table, manifest: Manifest) -> tuple[pa.Table, Recheck]:
 
 
 def _checked(row: Mapping[str, Any], manifest: Manifest) -> dict[str, Any]:
-    """The columns that the check fills.
+    """The judged columns of a row, by name.
 
-    It judges a row's controls and claim.
+    The check judges the row's controls and claim. A missing value is None.
     """
     scenario = scenario_of(row)
     branch = row["branch"]
@@ -118,13 +117,14 @@ def _checked(row: Mapping[str, Any], manifest: Manifest) -> dict[str, Any]:
         tolerances=allowed,
     )
     values = vars(judgement) | vars(certificate)
-    if row["presolved"]:
+    if row["presolved"]:  # no engine has proved anything, whatever the check finds
         values["proof"] = Proof.NONE
     known = {name: value for name, value in values.items() if not is_missing(value)}
     return {name: known.get(name) for name in _CHECKED}
 
 
 def _agree(stored: Any, new: Any) -> bool:
+    """Whether two values agree; numbers may differ by rounding."""
     if stored is None or new is None or isinstance(new, str | bool):
         return bool(stored == new)
     return bool(abs(stored - new) <= _ABSOLUTE + _RELATIVE * abs(new))

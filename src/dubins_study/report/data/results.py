@@ -1,4 +1,4 @@
-"""Read results folders: rows, and paths."""
+"""Read results folders: rows and paths."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ _NO_ROWS = pa.schema([ARROW_SCHEMA.field(name) for name in _COLUMNS]).empty_tabl
 
 @dataclass(frozen=True)
 class Folder:
-    """A results folder: its manifest, and the numbers of its rows that do and do not count."""
+    """A results folder: its manifest and row counts."""
 
     manifest: Manifest
     rows: RowCounts
@@ -52,10 +52,7 @@ class Folder:
 
     @property
     def section(self) -> str | None:
-        """The key of the experiment's section.
-
-        The section is one of the report; None if the experiment names none.
-        """
+        """The report section that the experiment names, or None."""
         return self.manifest.experiment.section
 
     @property
@@ -69,9 +66,9 @@ class Results:
     """The attempts of one or more folders.
 
     `rows` has one row per attempt, with the scalar columns of `study.rows.schema` and those that
-    `select_attempts` adds. Its index is that of `controls`, which holds the questions that solvers
-    do not take too. In a selection (`only`) the other fields but `folders`, `untaken` and
-    `elsewhere` are unchanged.
+    `select_attempts` adds. `rows` and `controls` share an index. `controls` also holds the
+    questions that solvers do not take. `only` returns a selection; it restricts `folders`, `rows`,
+    `untaken` and `elsewhere`, and keeps the other fields.
     """
 
     folders: tuple[Folder, ...]  # in the order of the arguments
@@ -87,7 +84,7 @@ class Results:
 
     @cached_property
     def attempts(self) -> pd.DataFrame:
-        """The rows as `counted`."""
+        """The rows with counted verdicts and weights (`counted`)."""
         return counted(self.rows)
 
     @property
@@ -99,7 +96,10 @@ class Results:
         return settings
 
     def only(self, experiments: Collection[str]) -> Results:
-        """The attempts of some experiments, and their folders."""
+        """The results restricted to experiments with these names.
+
+        A selection is stored in `selections`, so that equal names give the same object.
+        """
         names = frozenset(experiments)
         if names not in self.selections:
             self.selections[names] = replace(
@@ -115,7 +115,7 @@ class Results:
     def path(self, index: int) -> Path | None:
         """The path of a row, or None without one.
 
-        The row is given by its index.
+        `index` is the row's label in the index of `rows`.
         """
         [row] = self.controls.slice(index, 1).to_pylist()
         if row["curvatures"] is None or row["lengths"] is None:
@@ -146,7 +146,7 @@ def load_results(folders: str | FilePath | Iterable[str | FilePath]) -> pd.DataF
 
 
 def load(folders: str | FilePath | Iterable[str | FilePath]) -> Results:
-    """Read and join results folders.
+    """Read folders and join their attempts into one `Results`.
 
     If two have the same cell, the first folder's row is kept. Folders after the first that were
     made elsewhere are judged anew (`report.data.rejudged`). A `ResultsError` names the folder that
@@ -158,9 +158,10 @@ def load(folders: str | FilePath | Iterable[str | FilePath]) -> Results:
 def load_with_rows(
     folders: str | FilePath | Iterable[str | FilePath],
 ) -> tuple[Results | None, tuple[Folder, ...]]:
-    """Read folders, with empty folders apart.
+    """Read folders like `load`; return results and empty folders.
 
-    Like `load`; an empty folder has no rows. The results are None if none has rows.
+    A folder without rows is no error here: it stands in the second value, in the order of the
+    arguments. The first value is None if no folder has rows.
     """
     stored = _read(folders)
     full = [folder for folder in stored if len(folder.rows)]
@@ -180,10 +181,10 @@ class _Stored(NamedTuple):
 
 
 def _read(folders: str | FilePath | Iterable[str | FilePath]) -> list[_Stored]:
-    """Read the folders.
+    """Read the manifest and the rows of each folder.
 
-    Those of later arguments are judged anew if they are of another set-up. That is another machine
-    or other versions than those of the first argument's folders.
+    The folders of the first argument define the usual set-ups. A folder of a later argument is
+    judged anew if its set-up is none of them, i.e. another machine or other versions of packages.
     """
     arguments = folder_paths(folders)
     if not arguments:
@@ -202,9 +203,10 @@ def _read(folders: str | FilePath | Iterable[str | FilePath]) -> list[_Stored]:
 
 
 def _results_in(folder: FilePath) -> list[FilePath]:
-    """A results folder, or the results folders inside.
+    """The results folders that one argument stands for.
 
-    A folder without results inside stands for itself.
+    They are the folder itself if it has a manifest, else the folders directly inside that have one.
+    A folder without either comes back too, and reading it fails with a message.
     """
     if not folder.is_dir() or (folder / MANIFEST).exists():
         return [folder]
@@ -212,6 +214,7 @@ def _results_in(folder: FilePath) -> list[FilePath]:
 
 
 def _read_full(folders: str | FilePath | Iterable[str | FilePath]) -> list[_Stored]:
+    """Read folders; an error names one without rows."""
     stored = _read(folders)
     for entry in stored:
         if not len(entry.rows):
@@ -227,6 +230,11 @@ def _rows(folder: FilePath) -> pa.Table:
 
 
 def _selected(stored: Sequence[_Stored]) -> tuple[pa.Table, list[RowCounts]]:
+    """The rows that count, and each folder's counts.
+
+    An error names a folder that has rows of earlier code only. A warning is logged if questions
+    have different time limits.
+    """
     manifests = [folder.manifest for folder in stored]
     rows, counts = select_attempts([folder.rows for folder in stored], manifests)
     for entry, count in zip(stored, counts, strict=True):
@@ -238,13 +246,14 @@ def _selected(stored: Sequence[_Stored]) -> tuple[pa.Table, list[RowCounts]]:
 
 
 def _joined(stored: Sequence[_Stored]) -> Results:
+    """Make the results of the folders' counted rows."""
     manifests = [folder.manifest for folder in stored]
     rows, counts = _selected(stored)
     added = ["experiment", "answerable", "left_open", "late", "elsewhere"]
     frame = rows.select([*added, *_SCALARS]).to_pandas()
     untaken = frame["outcome"] == UNTAKEN
     elsewhere = frame[frame["elsewhere"] & ~untaken]
-    if len(elsewhere):
+    if len(elsewhere):  # their answers count, their times are of another machine
         for name in MEASURED_TIMES:
             frame[name] = frame[name].mask(frame["elsewhere"])
     taken = frame[~untaken]

@@ -1,6 +1,6 @@
-"""The rows of several folders that count.
+"""Select the rows that count from several folders.
 
-They are of current code, without duplicates.
+They are of current code, and each cell has one row.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ _READ += ["wall_s", "limit_s", "machine"]
 
 
 class RowCounts(NamedTuple):
-    """Numbers of rows of a folder."""
+    """The counts of one folder's rows."""
 
     current: int = 0  # of the current code, counted in the report or not
     stale: int = 0  # of earlier code, or of a solver that the manifest does not name
@@ -38,9 +38,9 @@ class RowCounts(NamedTuple):
 
     @property
     def limits_text(self) -> str:
-        """A warning on different time limits.
+        """A warning that counts the questions with other limits.
 
-        The folder has other time limits than a folder before it.
+        It stands behind the folder's name and is true only if `other_limits` is not 0.
         """
         return (
             f"{self.other_limits} of its questions have another time limit in a folder before it; "
@@ -73,6 +73,7 @@ def select_attempts(
     rows["experiment"] = rows["folder"].map(experiments)
     current = _is_current(rows, manifests)
     current_places = np.flatnonzero(current)
+    # `first`: positions of each cell's first row; `pairs`: later rows of a cell beside its first.
     first, pairs = compare_attempts(rows.iloc[current_places], _CELL)
     places = current_places[first]
     counted = stored.take(places)
@@ -81,6 +82,7 @@ def select_attempts(
     limits = first_rows["limit_s"].fillna(first_rows["folder"].map(limit_of_folder))
     machines = first_rows["experiment"].map(_own_machines(first_rows))
     undecided = first_rows["verdict"].eq("undecided")
+    # One undecided attempt opens the question for all solvers.
     left_open = undecided.groupby([first_rows[name] for name in _QUESTION]).transform("any")
     added = {
         "experiment": first_rows["experiment"],
@@ -109,9 +111,10 @@ def select_attempts(
 
 
 def _own_machines(rows: pd.DataFrame) -> dict[str, str | None]:
-    """The machine of each experiment.
+    """The machine that each experiment's times count from.
 
-    It made most rows of the first folder that has the experiment.
+    It made most rows of the first folder that holds the experiment; None if these rows name no
+    machine.
     """
     first = rows["folder"] == rows.groupby("experiment")["folder"].transform("min")
     modes = {str(name): part.mode() for name, part in rows[first].groupby("experiment")["machine"]}
@@ -119,25 +122,27 @@ def _own_machines(rows: pd.DataFrame) -> dict[str, str | None]:
 
 
 def _other_limits(rows: pd.DataFrame) -> pd.Series[int]:
-    """Questions with another time limit, by folder.
+    """The number of questions with another limit, by folder.
 
-    An earlier folder asks them with another limit. Suites that have different sections of their own
-    are not compared, and may have different limits.
+    A question counts if an earlier folder asked it with another time limit. Two suites with
+    different sections are not compared, so their limits may differ.
     """
     questions = rows.drop_duplicates(["folder", "scenario_id", "branch", "limit_s"])
     columns = ["folder", "limit_s", "section"]
     first = questions.groupby(["scenario_id", "branch"])[columns].transform("first")
     apart = questions["section"].ne(first["section"])
     apart &= questions["section"].notna() & first["section"].notna()
+    # `first`: the values of the earliest folder that asks the question and states them.
     later = (questions["folder"] > first["folder"]) & ~apart
     other = questions[later & (questions["limit_s"] != first["limit_s"]) & first["limit_s"].notna()]
     return other.drop_duplicates(["folder", "scenario_id", "branch"]).groupby("folder").size()
 
 
 def _is_current(rows: pd.DataFrame, manifests: Sequence[Manifest]) -> pd.Series[bool]:
-    """Whether each row is of current code.
+    """A mask of the rows made by current code.
 
-    The manifest names this code for the row's solver, as in `status`.
+    The manifest of the row's folder names the current code digest of each solver; `status` compares
+    the same.
     """
     named: list[tuple[int, str, str]] = []
     for folder, manifest in enumerate(manifests):
@@ -149,6 +154,11 @@ def _is_current(rows: pd.DataFrame, manifests: Sequence[Manifest]) -> pd.Series[
 def _row_counts(
     current: pd.Series[bool], pairs: pd.DataFrame, gap_tolerance: float, other_limits: int
 ) -> RowCounts:
+    """The counts of one folder's rows.
+
+    `current` masks the folder's rows of current code. `pairs` are its rows that an earlier row of
+    the cell replaces, beside that row (`compare_attempts`).
+    """
     other_code = pairs["code_digest"] != pairs["code_digest_kept"]
     differ = differences(pairs, gap_tolerance).any(axis="columns")
     return RowCounts(
@@ -161,12 +171,12 @@ def _row_counts(
 
 
 def _answerable(rows: pd.DataFrame) -> pd.Series[bool]:
-    """Whether each row's question has an answer.
+    """A mask of rows whose question has an answer.
 
-    A judged row has a reference word if its question has an answer.
-
-    For a row that was not judged, the closed form decides. Every route has an answer, and so has
-    every leg with a final heading: for `best`, and for the words that reach every pose.
+    A judged row has a reference word exactly if its question has an answer. For a row that was not
+    judged, the kind of the question decides (`_has_answer`): a leg by the closed form. Every route
+    has an answer. A leg with a final heading has one for `best`, and for the words that reach every
+    pose.
     """
     judged = rows["reference_word"].notna()
     unjudged = rows[~judged & rows["region"].isna()]

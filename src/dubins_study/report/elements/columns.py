@@ -35,7 +35,10 @@ class Column:
 
 
 def columns(show: Format = str, /, kind: str = "number", **titles: str) -> tuple[Column, ...]:
-    """Columns with the same format: key=title, in order."""
+    """Columns with the same format: key=title, in order.
+
+    `columns(share, right="right, base")` is one column: key `right`, heading "right, base".
+    """
     return tuple(Column(key, title, show, kind) for key, title in titles.items())
 
 
@@ -43,9 +46,10 @@ SOLVER = Column("solver", "solver", kind="solver")
 
 
 def marks(frame: pd.DataFrame, *keys: str) -> dict[tuple[int, str], str]:
-    """Mark cells that are true or positive.
+    """Mark the cells of columns `keys` that are true.
 
-    The cells are those of the columns `keys`; the mark is `bad`.
+    A positive number counts as true. The result maps (row position, key) to `bad`, as `Table.marks`
+    needs it.
     """
     marked: dict[tuple[int, str], str] = {}
     for key in keys:

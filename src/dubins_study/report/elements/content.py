@@ -1,6 +1,6 @@
-"""The content of a report.
+"""The parts of a report: topics, sections and blocks.
 
-Topics, their sections, and the text, tables and pictures in these.
+A block is a table, a picture or a widget.
 """
 
 from __future__ import annotations
@@ -21,9 +21,9 @@ from dubins_study.report.elements.style import HALF, new_figure
 
 
 class Place(StrEnum):
-    """The place of a section.
+    """Where a section stands.
 
-    Open at the top, folded below, or on the page about the paper.
+    It is open on the front page, folded below on the front page, or on the page about the paper.
     """
 
     FRONT = "front"
@@ -59,14 +59,16 @@ class Table:
     def values(self) -> list[list[float | None]]:
         """The numbers behind the cells, row by row.
 
-        A cell without a number has None. A text that ends in an interval, in a column `x_text`, has
-        the number in `x` or `x_share`.
+        A cell without a number has None. For a column `x_text`, whose texts end in an interval, the
+        number is that of column `x_share` or `x`.
         """
         by_column = [_numbers_of(self.frame, column.key) for column in self.columns]
         return [list(row) for row in zip(*by_column, strict=True)]
 
 
 def _numbers_of(frame: pd.DataFrame, key: str) -> list[float | None]:
+    """The numbers of a column; None without numbers."""
+    # `x_text` shows the number of `x_share` if there is such a column, else that of `x`.
     stem = key.removesuffix("_text")
     names = [key]
     if stem != key:
@@ -100,10 +102,10 @@ def picture(
     height: float,
     legend: int = 0,
 ) -> Picture:
-    """A figure of half the page's width.
+    """Draw a figure of half the page's width.
 
-    It has one panel, drawn by `plot(ax, *data)`; `legend` is the number of columns of the legend
-    below the panel, 0 for no legend.
+    It has one panel, drawn by `plot(ax, *data)`. `height` is in inches. `legend` is the number of
+    columns of the legend below the panel; 0 for no legend.
     """
     figure = new_figure(HALF, height)
     plot(figure.add_subplot(), *data)
@@ -115,9 +117,10 @@ def picture(
 def panels_picture(
     name: str, caption: str, plot: Callable[..., Figure], alt: str, *data: object, **options: object
 ) -> Picture:
-    """A figure of several panels.
+    """Draw a figure of several panels in both widths.
 
-    Drawn by `plot(*data, **options, narrow=)` for both widths.
+    `plot(*data, **options, narrow=...)` is called twice: for the wide figure and for the narrow
+    one.
     """
     wide = plot(*data, **options, narrow=False)
     narrow = plot(*data, **options, narrow=True)
@@ -147,7 +150,7 @@ Block: TypeAlias = Table | Picture | Widget
 class Section:
     """A heading with its text and its blocks.
 
-    Below the heading stand the lead, a paragraph, and tables and pictures.
+    The lead stands first, then the text, then the blocks.
     """
 
     key: str  # its anchor
@@ -162,9 +165,10 @@ BENCHMARK = "benchmark"  # the key of the experiment on which methods are compar
 
 
 class General(Enum):
-    """The attempts of a general section.
+    """The kinds of sections that pool experiments.
 
-    Such a section is not about a single experiment.
+    Such a section is not about a single experiment. Each kind says which attempts its sections
+    count.
     """
 
     EVERY = auto()  # all attempts
@@ -176,7 +180,7 @@ class General(Enum):
 
 
 class Topic(NamedTuple):
-    """One section of the page."""
+    """A function that writes one section, and its attempts."""
 
     title: str  # its name in progress reports
     write: Callable[[Results], Section | None]  # None if there is nothing to show

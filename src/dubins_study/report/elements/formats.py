@@ -12,18 +12,18 @@ ABSENT = "–"
 
 
 def slug(text: str) -> str:
-    """A name from outside, for a file's name.
+    """A text from outside, for a file's name.
 
-    It is reduced to letters, digits and dashes.
+    It has lower-case letters, digits and dashes, at most 60; `unnamed` if none is left.
     """
     return re.sub(r"[^a-z0-9]+", "-", text.lower()).strip("-")[:60] or "unnamed"
 
 
 def digits(n: int) -> Format:
-    """A format with `n` significant digits.
+    """A format (value -> text) with `n` significant digits.
 
-    It uses plain notation between 1e-3 and 1e6. A whole number has thin spaces between thousands,
-    as those of `count`.
+    From 1e-3 up to 1e6 the notation is plain, beyond it is like 1.5e7. A whole number has thin
+    spaces between thousands, as `count` writes them.
     """
 
     def show(value: Any) -> str:
@@ -49,9 +49,10 @@ def digits(n: int) -> Format:
 
 
 def share(value: Any) -> str:
-    """A share as a percentage.
+    """A share from 0 to 1 as a percentage.
 
-    It is rounded to 100 % only for 1 and to 0 % only for 0.
+    Only 1 itself is written as 100 %, and only 0 as 0 %. Shares near them become `<0.1 %` and
+    `>99.9 %`.
     """
     percent = 100 * float(value)
     if 0 < percent < 0.1:
@@ -69,26 +70,29 @@ def count(value: Any) -> str:
 
 
 def some(number: int, noun: str) -> str:
-    """A number with its noun, singular or plural."""
+    """A number with its noun: `1 row`, `2 rows`."""
     if number != 1:
         noun += "s"
     return f"{count(number)} {noun}"
 
 
 def shortened(text: str, most: int) -> str:
-    """A text of at most `most` characters."""
+    """A text cut to at most `most` characters.
+
+    A text that was cut ends in `…`.
+    """
     if len(text) <= most:
         return text
     return f"{text[: most - 1]}…"
 
 
 def sentences(*each: str) -> str:
-    """One paragraph; empty sentences are left out."""
+    """Join sentences to one paragraph, without empty ones."""
     return " ".join(filter(None, each))
 
 
 def seconds(value: Any) -> str:
-    """A duration with three digits and a suitable unit."""
+    """A duration (s) with three digits and a suitable unit."""
     number = float(value)
     for factor, unit in ((1.0, "s"), (1e-3, "ms"), (1e-6, "µs")):
         if number >= factor:

@@ -1,6 +1,6 @@
-"""Names of methods, and texts of intervals.
+"""Columns and texts that tables share.
 
-How tables name a method, and write a number or a share with its interval.
+Columns name a method. Texts are numbers and shares with their intervals.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ METHOD = columns(
 def method_columns(frame: pd.DataFrame) -> tuple[Column, ...]:
     """The columns that name a method.
 
-    Settings only if any method of the table has some.
+    The column of settings is left out if no method of the table has settings.
     """
     if frame["settings"].astype(bool).any():
         return METHOD
@@ -34,17 +34,17 @@ def method_columns(frame: pd.DataFrame) -> tuple[Column, ...]:
 
 
 def interval_column(key: str, title: str) -> Column:
-    """The column of a number with its interval.
+    """A column that shows a number above its interval.
 
-    The 95 % interval is below the number; see `with_interval_texts`.
+    Its cells are the texts `key`_text, which `with_interval_texts` adds to the frame.
     """
     return Column(f"{key}_text", title, kind="cell")
 
 
 def interval_keys(*keys: str) -> tuple[str, ...]:
-    """Columns of numbers and of their intervals' ends.
+    """Names of columns: each number and its interval's ends.
 
-    The CSV file has them.
+    `interval_keys("gap") -> ("gap", "gap_low", "gap_high")`. The CSV file gets these columns.
     """
     names: list[str] = []
     for key in keys:
@@ -53,15 +53,16 @@ def interval_keys(*keys: str) -> tuple[str, ...]:
 
 
 def with_interval_texts(frame: pd.DataFrame, **shows: Format) -> pd.DataFrame:
-    """The frame with texts of numbers and intervals.
+    """The frame with texts of numbers and their intervals.
 
-    A column `key`_text for each key, from `key`, `key`_low and `key`_high.
+    `shows` maps a key to the format of its numbers. Each key adds a column `key`_text, made from
+    `key`, `key`_low and `key`_high. The interval is on a second line.
     """
     texts = {}
     for key, show in shows.items():
         lines = []
         for numbers in frame[[*interval_keys(key)]].itertuples(index=False):
-            text = with_interval(show, *numbers).replace(" (", "\n(", 1)
+            text = with_interval(show, *numbers).replace(" (", "\n(", 1)  # interval on line 2
             lines.append(text.replace(" ", "\u00a0"))  # no other line breaks
         texts[f"{key}_text"] = lines
     return frame.assign(**texts)
@@ -70,8 +71,8 @@ def with_interval_texts(frame: pd.DataFrame, **shows: Format) -> pd.DataFrame:
 def with_interval(show: Format, value: float, low: float, high: float) -> str:
     """A number and its interval as text.
 
-    An example is `2.5 (2.1 to 3.4)`. An unknown number gives a dash. Of a share: `25.0 % (21.0 to
-    34.2)`.
+    `2.5 (2.1 to 3.4)`, or for a share `25.0 % (21.0 to 34.2)`. An unknown number gives a dash, and
+    an unknown interval leaves the number alone.
     """
     if value != value:
         return ABSENT
@@ -95,9 +96,8 @@ def with_share(
 ) -> pd.DataFrame:
     """The frame with a share and its interval.
 
-    The share is one of trials. New columns: `name`_of (the trials), `name`_share (NaN of no
-    trials), `name`_low and `name`_high (95 %), and `name`_text, in which all of them are written
-    out.
+    The new columns are `name`_of (the trials), `name`_share (NaN without trials), `name`_low and
+    `name`_high (95 %), and `name`_text, which shows all of them.
     """
     n = trials.astype(np.float64).to_numpy()
     k = np.minimum(successes.astype(np.float64).to_numpy(), n)
@@ -111,7 +111,7 @@ def with_share(
 def share_text(share: float, low: float, high: float, of: float) -> str:
     """A share with its trials and its interval.
 
-    `98.4 % of 64`, and below it `91.7 to 99.7 %`; a dash if there are no trials.
+    `98.4 % of 64`, and on the next line `91.7 to 99.7 %`; a dash if there are no trials.
     """
     if not of > 0:
         return ABSENT
@@ -119,9 +119,9 @@ def share_text(share: float, low: float, high: float, of: float) -> str:
 
 
 def percent(share: float, places: int = 1) -> str:
-    """A share in percent with `places` decimals.
+    """A share as a percentage without the sign.
 
-    It is rounded to 100 only for 1 and to 0 only for 0.
+    It has `places` decimals. Only 1 itself is written as 100, and only 0 as 0.
     """
     if share in (0, 1):
         return f"{100 * share:.0f}"
@@ -130,7 +130,10 @@ def percent(share: float, places: int = 1) -> str:
 
 
 def questions(number: float) -> str:
-    """A number of questions, of which repeats are parts."""
+    """A number of questions, perhaps a fraction.
+
+    A repeat is a part of a question, so a number that is not whole is shown with three digits.
+    """
     if float(number).is_integer():
         return count(number)
     return digits(3)(number)

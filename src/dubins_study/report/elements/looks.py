@@ -1,6 +1,6 @@
 """How a solver is named and drawn.
 
-One name on a page; one hue and marker for an engine.
+A solver has one name on a page. An engine has one hue and one marker.
 """
 
 from __future__ import annotations
@@ -27,10 +27,11 @@ _MOST_CHARACTERS = 70
 
 @once
 def names_of(results: Results) -> pd.DataFrame:
-    """All methods of a page as `methods_of`.
+    """A frame of the page's methods, with labels.
 
-    Indexed by solver, also if `results` is a selection. The column `label` has their short names,
-    e.g. `Ipopt, joint LRS, zero start`.
+    It is the frame of `methods_of`, indexed by solver, with a column `label`: a short name such as
+    `Ipopt, joint LRS, zero start`. A selection of the page's results gives the frame of the whole
+    page.
     """
     methods = methods_of(results.methods)
     return methods.assign(label=pd.Series(short_labels(methods), dtype=object))
@@ -42,7 +43,7 @@ def labels_of(results: Results) -> dict[str, str]:
 
 
 def in_page_order(frame: pd.DataFrame, results: Results) -> pd.DataFrame:
-    """The rows in the order of the page's solvers.
+    """The rows sorted by solver in the page's order.
 
     Rows of one solver keep their order.
     """
@@ -55,7 +56,7 @@ def in_page_order(frame: pd.DataFrame, results: Results) -> pd.DataFrame:
 def short_labels(methods: pd.DataFrame) -> dict[str, str]:
     """Map each solver to a distinct short name.
 
-    Engine, formulation, initial guess, and the settings that differ.
+    A name has the engine, the formulation, the initial guess, and the settings that differ.
     """
     rows = methods.reset_index(names="solver").to_dict("records")
     labels = distinct([short_label(row) for row in rows])
@@ -63,9 +64,10 @@ def short_labels(methods: pd.DataFrame) -> dict[str, str]:
 
 
 def short_label(row: Mapping[Hashable, Any]) -> str:
-    """The short name of a method.
+    """The short name of one method.
 
-    The method is a row of `methods_of`; another may have the same name.
+    `row` is a row of the frame of `methods_of`, with its solver. Two methods may get the same name;
+    `distinct` numbers them.
     """
     formulation = str(row["formulation"])
     engine = str(row["engine"])
@@ -88,7 +90,10 @@ def short_label(row: Mapping[Hashable, Any]) -> str:
 
 
 def distinct(labels: Sequence[str]) -> list[str]:
-    """Distinct labels: repeated labels get a number."""
+    """Number labels that occur more than once.
+
+    `["a", "b", "a"] -> ["a #1", "b", "a #2"]`.
+    """
     shared = Counter(labels)
     names = []
     for label in labels:
@@ -106,11 +111,13 @@ _KEPT = 2  # items of a short name that a figure always shows: engine and formul
 def figure_names(labels: Mapping[str, str]) -> dict[str, str]:
     """Map each solver to its name in a figure.
 
-    Engine, formulation, and the items that tell the figure's solvers apart.
+    `labels` maps each solver to its short name. The figure's name keeps engine and formulation. It
+    leaves out items that all solvers of one engine and formulation share.
     """
     items = [label.split(", ") for label in labels.values()]
     names = []
     for parts in items:
+        # An item is left out if all solvers with this engine and formulation have it.
         method = parts[:_KEPT]
         alike = [set(others) for others in items if others[:_KEPT] == method]
         distinctive = [item for item in parts[_KEPT:] if item not in set.intersection(*alike)]
@@ -123,10 +130,11 @@ _USUAL_START = "bearing start"
 
 
 def common_part(names: Sequence[str]) -> tuple[str, list[str]]:
-    """The shared part of names, and the rest.
+    """The part that all names share, and shortened names.
 
-    The shared part is for a title, e.g. ` (presolve)`; the rest are the names without it. A name
-    has engine, guess and settings, with commas between them.
+    The shared part is for a title; it is empty if there is none. A name has engine, guess and
+    settings, with commas between them: `["Ipopt, presolve", "SLSQP, presolve"] -> " (presolve)",
+    ["Ipopt", "SLSQP"]`.
     """
     names = distinct([one_line(name, _MOST_IN_PANEL) for name in names])
     tails = {name.partition(", ")[2] for name in names}
@@ -139,10 +147,7 @@ def common_part(names: Sequence[str]) -> tuple[str, list[str]]:
 
 
 def one_line(text: str, most: int = _MOST_CHARACTERS) -> str:
-    """A text on one line of limited length.
-
-    It has at most `most` characters.
-    """
+    """A text on one line, cut to `most` characters."""
     return shortened(" ".join(text.split()), most)
 
 
@@ -217,7 +222,7 @@ class Look(NamedTuple):
 
 @dataclass(frozen=True)
 class Palette:
-    """A hue and a marker per engine."""
+    """The hue and the marker of each engine."""
 
     hues: dict[str, tuple[str, str]]  # engine -> colour and marker
     # spec -> its engine; a spec that is missing counts as an engine by its solver's name
@@ -228,7 +233,7 @@ class Palette:
     def of_page(cls, results: Results) -> Self:
         """The palette of all engines of a page.
 
-        It knows the engines by the solvers' specs.
+        Solvers are looked up by their specs. Plug-ins' solvers get hues and markers of their own.
         """
         stated = names_of(results)["engine"]
         engines = {str(spec): parse_spec(str(engine))[0] for spec, engine in stated.items()}
@@ -239,10 +244,9 @@ class Palette:
 
     @classmethod
     def of(cls, engines: Iterable[str]) -> Self:
-        """The palette of some engines or solvers.
+        """A palette of engines, or of solvers' names.
 
-        Solvers are given by their names. The closed form, the reference in every figure, is drawn
-        in the text's colour.
+        The closed form, the reference in every figure, gets the text's colour.
         """
         names = {parse_spec(engine)[0] for engine in engines} - {EXACT, _FORMULA}
         others = sorted(names - set(_ENGINES), key=natural)
@@ -253,9 +257,9 @@ class Palette:
         return cls({EXACT: reference, _FORMULA: reference} | hues)
 
     def looks(self, specs: Iterable[str]) -> dict[str, Look]:
-        """A look for each solver of a figure.
+        """Map each solver of a figure to its look.
 
-        Line styles distinguish solvers of one hue.
+        Solvers with the same hue get different line styles.
         """
         result: dict[str, Look] = {}
         used: dict[str, int] = {}
@@ -263,15 +267,15 @@ class Palette:
         dashes = {hue.light: place for place, hue in enumerate(style.ENGINE_HUES)}
         for spec in solver_order(list(specs)):
             colour, marker = self.hues[self.engines.get(spec, parse_spec(spec)[0])]
-            place = used[colour] = used.get(colour, -1) + 1
+            place = used[colour] = used.get(colour, -1) + 1  # the n-th solver of this hue, from 0
             line = LINES[(dashes.get(colour, 0) + place) % len(LINES)]
             result[spec] = Look(colour, marker, line)
         return result
 
     def names(self, specs: Iterable[str]) -> dict[str, str]:
-        """The names of a figure's solvers.
+        """Map each solver to its name in a figure.
 
-        A name has only the part of the short name that distinguishes it.
+        A name has only the items of the short name that distinguish it (`figure_names`).
         """
         return figure_names({spec: self.label(spec) for spec in specs})
 

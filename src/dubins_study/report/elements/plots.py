@@ -1,7 +1,8 @@
 """Plots that most topics use.
 
-A topic declares its marks and passes a table. Quartiles and shares by named lines, rising curves of
-shares, lines over a parameter, maps of cells. Matplotlib's constrained layout finds the places.
+A topic passes a table, and a `Mark` for each kind that is drawn. There are quartiles and shares
+beside named lines, rising curves of shares, lines over a parameter, and maps of cells. Matplotlib's
+constrained layout places the parts.
 """
 
 from __future__ import annotations
@@ -52,7 +53,7 @@ _MARKERS = ("D", "s", "^", "v")  # open marks that can be seen inside each other
 
 @dataclass(frozen=True)
 class Mark:
-    """The look of a column, or of a kind."""
+    """The look of one column, or of one kind."""
 
     key: str  # the column, or the kind
     label: str = ""  # its name in the legend; empty for its key
@@ -81,10 +82,11 @@ class Mark:
 def quartile_lines(
     table: pd.DataFrame, key: str, palette: Palette, label: str, *, narrow: bool = False
 ) -> Figure:
-    """Median and quartiles of durations (s).
+    """Draw a median and quartiles of durations (s).
 
-    The axis is logarithmic; each row has a named line. Columns: those of `named_lines`, solver, and
-    `key`, `key`_q1 and `key`_q3.
+    Each row of the table has a named line; the axis is logarithmic. Columns: those of
+    `named_lines`, solver, and `key` (the median), `key`_q1 and `key`_q3. A row whose median is not
+    above 0 stays empty.
     """
     figure, axes = named_lines(table, label, narrow=narrow)
     looks = palette.looks(table["solver"])
@@ -94,7 +96,8 @@ def quartile_lines(
         positive = np.ones(1)
     low = 0.8 * positive.min()
     high = 1.25 * positive.max()
-    widen = max(1.0, (6 / (high / low)) ** 0.5)  # or the axis might have no number
+    # The axis spans at least a factor of 6, so that it has a number.
+    widen = max(1.0, (6 / (high / low)) ** 0.5)
     for ax, rows in axes:
         for row in rows.to_dict("records"):
             if row[key] > 0:
@@ -112,11 +115,11 @@ def quartile_lines(
 def stacked_shares(
     table: pd.DataFrame, marks: Sequence[Mark], label: str, *, narrow: bool = False
 ) -> Figure:
-    """One bar of stacked shares per row.
+    """Draw one bar of stacked shares for each row.
 
     The bars of a formulation stand together. Columns: those of `named_lines`, and a share for each
-    mark. The marks have colours and hatches, in the order of the stack, from dark to light; those
-    that no row has are left out.
+    mark's key. The marks are in the order of the stack, from dark to light. Marks that no row has
+    are left out of the legend.
     """
     figure, axes = named_lines(table, label, narrow=narrow)
     present = [mark for mark in marks if table[mark.key].fillna(0).any()]
@@ -149,11 +152,12 @@ _LETTER = 0.5  # of a font's size: the width of a letter
 def named_lines(
     table: pd.DataFrame, label: str, *, narrow: bool
 ) -> tuple[Figure, list[tuple[Axes, pd.DataFrame]]]:
-    """A figure of named lines, and its columns.
+    """Make a figure of named lines, still without data.
 
-    Lines of a formulation stand together; each column comes with its rows. Columns: formulation,
-    short (the name), and if it is given note (a text at the right); `place` is added, the height of
-    a line. A `narrow` figure has one column, half as wide.
+    Returned are the figure, and for each of its columns the axes and the rows to draw there. The
+    lines of a formulation stand together. Columns of the table: formulation, short (the name), and
+    perhaps note (a text at the right). The returned rows have a column `place`, the height of a
+    line. A `narrow` figure has one column, half as wide.
     """
     size = 6.0
     most = _ACROSS
@@ -178,7 +182,7 @@ def named_lines(
 def _page_figure(high: float, *, narrow: bool) -> Figure:
     """An empty figure of a height (inches).
 
-    It is as wide as the page, or half as wide if `narrow`. Only the wide one has a largest height.
+    It is as wide as the page, or half as wide if `narrow`. A wide figure is at most `HIGHEST` high.
     """
     if narrow:
         return new_figure(HALF, high)
@@ -186,10 +190,12 @@ def _page_figure(high: float, *, narrow: bool) -> Figure:
 
 
 def _placed(table: pd.DataFrame, size: float, most: int) -> pd.DataFrame:
-    """The lines with title, place and column.
+    """A figure's lines with title, place and column.
 
-    The title has the part that all names below it share. There are fewer columns where the bars
-    would be too short to be read.
+    `size` is that of the font in points; `most` is the largest number of columns. Fewer columns are
+    used where the bars would be too short to be read. The added columns: title (the formulation,
+    and what all names below it share), place (height in its column), column (its number). Names are
+    shortened in `short`.
     """
     titled = []
     for formulation, rows in table.groupby("formulation", sort=False):
@@ -198,10 +204,12 @@ def _placed(table: pd.DataFrame, size: float, most: int) -> pd.DataFrame:
         titled.append(rows.assign(short=names, title=title, note=rows.get("note", "")))
     lines = pd.concat(titled)
     groups = lines.groupby("formulation", sort=False)
+    # One line is left free above each formulation for its title.
     place = groups.ngroup() + np.arange(len(lines)) + 1.5
     middle = place.groupby(lines["formulation"]).transform("mean")
     letters = (lines["short"] + lines["note"]).str.len()
     for across in range(most, 0, -1):
+        # All lines are cut into equal parts; a formulation goes where its middle line falls.
         column = (across * middle / (place.iloc[-1] + 0.5)).astype(int)
         longest = letters.groupby(column).max()
         texts = longest.sum() * _LETTER * size / 72  # inches
@@ -212,7 +220,7 @@ def _placed(table: pd.DataFrame, size: float, most: int) -> pd.DataFrame:
 
 
 def _name(ax: Axes, rows: pd.DataFrame, size: float) -> None:
-    """Write a column's names, notes and titles."""
+    """Write names, notes and titles beside a column's lines."""
     ax.grid(False, axis="y")
     ax.spines["left"].set_visible(False)
     ax.tick_params(axis="y", length=0, pad=2)
@@ -246,14 +254,14 @@ def share_curves(
     same_x: bool = True,
     narrow: bool = False,
 ) -> Figure:
-    """Rising shares over a logarithmic axis.
+    """Draw rising shares over a logarithmic axis.
 
     The figure has one wide panel or several small ones. The panels of a `narrow` figure stand in
     one column.
 
-    `shares` has for each panel's title shares in [0, 1], indexed by x (ascending), a column per
-    solver; curves of solvers that are not in `names` are grey, and so are those behind the first
-    few (`MOST_NAMED`) of one of several panels. A dotted line is drawn at `limit`.
+    `shares` maps the title of each panel to its table: shares in [0, 1], indexed by x (ascending),
+    a column per solver. `names` maps solvers to their names; other curves are grey. One of several
+    panels names the first `MOST_NAMED` solvers only. A dotted line is drawn at `limit`.
     """
     across = min(_ACROSS, len(shares))
     if narrow:
@@ -271,6 +279,7 @@ def share_curves(
     chosen = {}
     for title, table in shares.items():
         named = [str(solver) for solver in table if solver in names]
+        # plug-ins' solvers first, so that they are named
         chosen[title] = sorted(named, key=lambda solver: not own_name(solver))[:most]
     entries = [len(solvers) for solvers in chosen.values()]
     side_by_side = [entries[start : start + across] for start in range(0, len(entries), across)]
@@ -298,14 +307,15 @@ def share_curves(
 
 
 def _draw_shares(ax: Axes, table: pd.DataFrame, names: Mapping[str, str], palette: Palette) -> None:
-    """Draw the columns of a table over its index.
+    """Draw each column of a table as steps.
 
-    Columns with a name are in colour, and in the legend below.
+    Columns with a name are in colour, and in the legend below the axes; others are grey.
     """
     looks = palette.looks(names)
     lines = {}
     for solver in [*table.columns.difference([*names]), *names]:
         curve = table[solver]
+        # Only points at which the curve rises, and its end: the file stays small.
         changed = curve.ne(curve.shift()) | (curve.index == curve.index[-1])
         style = BEHIND
         if solver in looks:
@@ -343,10 +353,11 @@ def parameter_lines(
     *,
     height: float,
 ) -> Figure:
-    """Lines over a parameter, both axes logarithmic.
+    """Draw lines over a parameter, both axes logarithmic.
 
-    A line per name, with open marks of growing size: lines that coincide stay visible. Columns:
-    solver, name (in the legend), x and y. Only positive finite values are drawn.
+    Each name has a line. Its marks are open and their size grows from line to line, so that lines
+    that coincide stay visible. Columns: solver, name (in the legend), and those that `x` and `y`
+    name. Only positive finite values are drawn.
     """
     shown = table[np.isfinite(table[y].astype(float)) & (table[y] > 0)]
     looks = palette.looks(shown["solver"])
@@ -405,7 +416,7 @@ def draw_cells(
 
 
 def _scale(ax: Axes, low: float, high: float) -> None:
-    """Set a logarithmic x axis with these ends.
+    """Make the x axis logarithmic from `low` to `high`.
 
     A short axis has a number at 1, 2, 5, 10, ...
     """

@@ -1,9 +1,8 @@
-"""The look of figures, and their files.
+"""The look of figures: colours, sizes, axes, files.
 
-Colours, sizes, matplotlib's settings, axes. On the light page and on the dark one a hue has a
-contrast of at least 3 to 1 (the ratio of WCAG 2.2, success criterion 1.4.11, for graphical
-objects). The engines' hues are as far apart as ten can be at that contrast, also for readers with
-protanopia or deuteranopia; a test measures both.
+On the light page and on the dark one a hue has a contrast of at least 3 to 1 (the ratio of WCAG
+2.2, success criterion 1.4.11, for graphical objects). The engines' hues are as far apart as ten can
+be at that contrast, also for readers with protanopia or deuteranopia; a test measures both.
 """
 
 from __future__ import annotations
@@ -111,9 +110,9 @@ _SETTINGS: Style = {
 
 
 def css_values(mode: str) -> str:
-    """The CSS declarations of all hues.
+    """The CSS declarations of all hues, e.g. `--blue: #0072b2;`.
 
-    The mode of the page is `light` or `dark`.
+    `mode` is that of the page: `light` or `dark`.
     """
     return " ".join(f"--{name}: {getattr(hue, mode)};" for name, hue in _NAMED.items())
 
@@ -122,7 +121,7 @@ def css_values(mode: str) -> str:
 def drawing() -> Iterator[None]:
     """Use the study's matplotlib settings inside `with`.
 
-    Figures are drawn and saved inside the block.
+    Figures have to be drawn and saved inside the block. The caller's settings come back after it.
     """
     with mpl.rc_context():
         mpl.rcdefaults()
@@ -131,9 +130,9 @@ def drawing() -> Iterator[None]:
 
 
 def new_figure(width: float, height: float) -> Figure:
-    """An empty figure (inches) with a constrained layout.
+    """An empty figure whose layout makes room for labels.
 
-    The layout makes room for labels.
+    Width and height are in inches.
     """
     return Figure(figsize=(width, height), layout="constrained")
 
@@ -142,9 +141,10 @@ _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
 def power(value: float, _: object = None) -> str:
-    """A power of ten as a tick label.
+    """The tick label of a power of ten.
 
-    It needs no mathtext, and is plain from 0.01 to 1000.
+    It is plain from 0.01 to 1000 and `10⁴` beyond: Unicode, no mathtext. A value that is no power
+    of ten has an empty label.
     """
     if value <= 0:
         return "0"
@@ -157,9 +157,9 @@ def power(value: float, _: object = None) -> str:
 
 
 def log_axis(axis: Axis, unit: str = "") -> None:
-    """Make an axis logarithmic and label its decades.
+    """Label the decades of a logarithmic axis.
 
-    A label has a prefix before a unit such as `ms`. Fewer are labelled if there are many decades.
+    With a unit, labels are like `1 ms`. If there are many decades, only some have a label.
     """
     axis.set_major_locator(LogLocator(numticks=8))
     if unit:
@@ -170,9 +170,9 @@ def log_axis(axis: Axis, unit: str = "") -> None:
 
 
 def plain_log_axis(axis: Axis) -> None:
-    """Make a logarithmic axis with plain numbers.
+    """Label a logarithmic axis with plain numbers.
 
-    It labels 1, 2, 5, 10, ...; for few decades.
+    The labels are at 1, 2, 5, 10, ...; they suit an axis of few decades.
     """
     axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0), numticks=12))
     axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
@@ -200,9 +200,10 @@ _PLACE_DECIMALS = 6  # of the figure's size: less than a thousandth of a point
 
 
 def fix_layout(figure: Figure) -> None:
-    """Compute the layout of a figure once.
+    """Compute a figure's layout once, for all files.
 
-    All its files use it: the layout takes most of the time of saving.
+    The figure is changed in place: its axes keep their places. The layout takes most of the time of
+    saving.
     """
     engine = figure.get_layout_engine()
     if engine is not None:
@@ -227,8 +228,8 @@ def fix_layout(figure: Figure) -> None:
 def figure_bytes(figure: Figure, kind: str) -> bytes:
     """The bytes of a figure's file.
 
-    The layout is fixed (`fix_layout`); the file is svg, pdf or png. Equal figures give equal bytes:
-    no dates, fixed ids.
+    `kind` is svg, pdf or png. The layout should be fixed before (`fix_layout`). Equal figures give
+    equal bytes: a file has no date, and its ids are fixed.
     """
     buffer = BytesIO()
     dates = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}

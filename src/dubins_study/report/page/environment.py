@@ -1,6 +1,6 @@
-"""Tools of the page's templates.
+"""What the page's templates use.
 
-Filters, scripts and embedded data.
+These are filters, scripts, style sheets and embedded data.
 """
 
 from __future__ import annotations
@@ -82,9 +82,10 @@ def breakable(text: str) -> Markup:
 
 
 def choice(text: str, kind: str) -> Markup:
-    """A choice as HTML.
+    """A text as HTML, its first line bold.
 
-    The first line stands out, as a spec to be typed if its kind says so.
+    The first line is code if `kind` contains `spec`: a spec to be typed. A text of one line is only
+    escaped.
     """
     first, *others = text.split("\n")
     if not others:
@@ -95,10 +96,11 @@ def choice(text: str, kind: str) -> Markup:
 
 
 def linked(text: str, sections: Sequence[Section], page: str) -> Markup:
-    """Link the title of a section from `page`.
+    """A section's title as a link from `page`.
 
-    The title may be followed by a colon and more text. There is no link if the page has the section
-    once per experiment, or not at all; the text says so in the latter case.
+    `text` is the title, which may be followed by a colon and more text. It stays without a link if
+    the page has the section once per experiment. If the report has no such section, "(not on this
+    page)" is added.
     """
     title = text.partition(":")[0]
     for section in sections:
@@ -115,9 +117,9 @@ def linked(text: str, sections: Sequence[Section], page: str) -> Markup:
 
 
 def packed(content: bytes) -> str:
-    """Bytes as gzip in base64.
+    """Bytes as a text: compressed by gzip, in base64.
 
-    The same bytes give the same text.
+    Equal bytes give equal texts.
     """
     return base64.b64encode(gzip.compress(content, compresslevel=9, mtime=0)).decode("ascii")
 
@@ -130,7 +132,8 @@ def scripts(names: Sequence[str] = SCRIPTS) -> list[Markup]:
 def _script(name: str) -> Markup:
     """The text of a script.
 
-    `tolerances` has those of the check; the certificates of the page's paths use them too.
+    The script `tolerances` is made from the check's constants, which certificates of the page's
+    paths use too.
     """
     if name != "tolerances":
         return _text(f"scripts/{name}.js")
@@ -148,9 +151,9 @@ def _script(name: str) -> Markup:
 
 
 def styles() -> Markup:
-    """The page's style, in the order of rules.
+    """The page's style sheets as one text.
 
-    Later rules win; the figures' hues come first.
+    The figures' hues come first. Then follow the files of `STYLES`; later rules win.
     """
     light = f":root {{ {style.css_values('light')} }}"
     dark = f":root {{ {style.css_values('dark')} }}"
@@ -159,21 +162,22 @@ def styles() -> Markup:
 
 
 def stylesheets(names: Sequence[str]) -> Markup:
-    """The texts of style sheets, in order.
+    """Style sheets of the templates as one text.
 
-    Rules of later ones win.
+    A later rule wins.
     """
     return Markup("\n").join(_text(f"{name}.css") for name in names)
 
 
 def _text(name: str) -> Markup:
+    """The text of a template's file, not escaped."""
     return Markup((TEMPLATES / name).read_text(encoding="utf-8"))
 
 
 class Folded(NamedTuple):
-    """A section's blocks, shown and folded.
+    """A section's blocks: those shown, and those folded.
 
-    The folded ones are behind a line that names them.
+    A line of the page names the folded blocks (`more`) and opens them.
     """
 
     shown: tuple[Block, ...]
@@ -183,8 +187,8 @@ class Folded(NamedTuple):
 def folded(section: Section) -> Folded:
     """Split a section's blocks into shown and folded.
 
-    Shown are the first block, or two half figures side by side, and all widgets. On the page about
-    the paper, a document to be read from top to bottom, nothing is folded.
+    Shown are the first block, or two half figures side by side, and all widgets. The page about the
+    paper is read from top to bottom, so nothing is folded there.
     """
     blocks = section.blocks
     if section.place is Place.PAPER:
@@ -198,9 +202,9 @@ def folded(section: Section) -> Folded:
 
 
 def summary(block: Table | Picture) -> str:
-    """The content of a block in a few words.
+    """What a block shows, in a few words.
 
-    A figure's alternative text, or a caption's beginning.
+    It is the first sentence or clause of a figure's alternative text, or of a table's caption.
     """
     text = block.caption
     if isinstance(block, Picture):
@@ -209,9 +213,10 @@ def summary(block: Table | Picture) -> str:
 
 
 def environment() -> Environment:
-    """The environment of the templates.
+    """A jinja environment for one page.
 
-    All values are escaped.
+    All values are escaped. The filter `glossed` remembers which words it has linked, so each page
+    needs a new environment.
     """
     templates = Environment(
         loader=PackageLoader("dubins_study.report.page", "templates"),

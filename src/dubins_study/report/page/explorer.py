@@ -1,6 +1,6 @@
-"""The section on the problem, with the explorer.
+"""The section on the problem, and the explorer.
 
-A picture has two paths; in the explorer the reader drags paths.
+A picture shows two paths. In the explorer the reader drags the points of a question.
 """
 
 from __future__ import annotations
@@ -53,9 +53,9 @@ PRESETS = (
 
 
 def _drawing(name: str) -> str:
-    """A drawing of the templates as an image's address.
+    """A drawing of the templates as a data URL.
 
-    So its styles affect only the drawing.
+    As an image, its styles cannot affect the page.
     """
     content = (TEMPLATES / f"{name}.svg").read_bytes()
     return f"data:image/svg+xml;base64,{base64.b64encode(content).decode('ascii')}"
@@ -68,19 +68,18 @@ def _template(name: str) -> Template:
 
 
 def _explorer() -> Markup:
-    """The explorer's HTML.
+    """The explorer's HTML, without its scripts.
 
-    `dubins.js` and the scripts `explorer*.js` bring it to life.
+    The scripts `dubins*.js` and `explorer*.js` draw in it.
     """
     branches = [branch for branch in BRANCHES if branch != "best"]
     return Markup(_template("explorer.html.j2").render(presets=PRESETS, branches=branches))
 
 
 def explorer_section(results: Results) -> Section:
-    """The question, a picture, and the explorer.
+    """The section on the problem, with the explorer.
 
-    The picture has two answers; the reader drags the paths of the explorer. The same for all
-    results.
+    A picture shows two paths that arrive. The section is the same for all results.
     """
     lead = "Which path from the start to the target is the shortest?"
     two_paths = (
@@ -106,7 +105,7 @@ TOPIC = Topic("the problem", explorer_section, General.EVERY, place=Place.FRONT)
 def write_explorer(file: FilePath) -> FilePath:
     """Write the explorer as a page of its own.
 
-    It opens offline; returns the file.
+    The page opens offline. The path of the file comes back.
     """
     page = environment().get_template("explorer-page.html.j2")
     text = page.render(

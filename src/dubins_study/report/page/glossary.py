@@ -1,6 +1,6 @@
 """The glossary of the page, and links to it.
 
-A word's first use on a page is the link.
+On each page, only the first use of a word is a link.
 """
 
 from __future__ import annotations
@@ -15,7 +15,10 @@ from markupsafe import Markup
 
 
 class Word(NamedTuple):
-    """A word of the glossary."""
+    """A word of the glossary.
+
+    `forms` is a regular expression for the word in a text; a word without one is never linked.
+    """
 
     term: str
     meaning: str
@@ -24,12 +27,12 @@ class Word(NamedTuple):
 
     @property
     def anchor(self) -> str:
-        """The end of its anchor on the page."""
+        """The word's anchor on the page, without `term-`."""
         return re.sub(r"[^a-z]+", "-", self.term.lower())
 
     @property
     def plain(self) -> str:
-        """The meaning as a text of the page."""
+        """The meaning without the marks of code."""
         return self.meaning.replace("`", "")
 
 
@@ -42,24 +45,25 @@ GLOSSARY = {
 WORDS = list(chain.from_iterable(GLOSSARY.values()))
 
 
+# One group for each linked word, so that a match's `lastindex` is the word's number, from 1.
 _LINKED = [word for word in WORDS if word.forms]
 _FORMS = "|".join(f"({word.forms})" for word in _LINKED)
 _FIRST_OF = re.compile(rf"\b(?:{_FORMS})", re.IGNORECASE)
 
 
 class Glossed:
-    """Links each word's first use to the glossary.
+    """Link words of a page's texts to the glossary.
 
-    The first use on one page.
+    An object serves one page: it remembers which words it has linked.
     """
 
     def __init__(self) -> None:
         self._used: set[Word] = set()
 
     def __call__(self, text: str) -> Markup:
-        """A text as HTML with links to the glossary.
+        """A text as HTML, with links to the glossary.
 
-        A link is at each word that no earlier text used.
+        A word is a link unless an earlier text of the page has one for it.
         """
         html = Markup("")
         end = 0

@@ -1,4 +1,4 @@
-"""Tables as CSV and LaTeX; figures as HTML.
+"""Tables as CSV and LaTeX; figures as HTML elements.
 
 Text from outside is escaped.
 """
@@ -21,9 +21,9 @@ _FORMULA = tuple("=+-@\t")  # a spreadsheet reads text that starts with one of t
 
 
 def to_csv(table: Table) -> str:
-    """The table as CSV, with full digits.
+    """The table as a CSV text, with full digits.
 
-    The shown columns and those of `Table.numbers`; missing values are empty. A text that a
+    It has the shown columns and those of `Table.numbers`; missing values are empty. A text that a
     spreadsheet would read as a formula gets a leading apostrophe.
     """
     keys = dict.fromkeys([*(column.key for column in table.columns), *table.numbers])
@@ -41,9 +41,9 @@ def _no_formula(value: object) -> object:
 
 
 def to_tex(table: Table) -> str:
-    """The table as a LaTeX `longtable`.
+    """The table as the text of a LaTeX `longtable`.
 
-    It has the rules of booktabs and short names of solvers, in UTF-8 for LuaLaTeX.
+    It needs booktabs and, since it is UTF-8, LuaLaTeX. Solvers have their short names.
     """
     frame = pd.DataFrame(table.texts(), columns=[column.title for column in table.columns])
     for place, column in enumerate(table.columns):
@@ -73,9 +73,9 @@ _SHOWN = (
 
 
 def dictionary(sections: Iterable[Section]) -> Table:
-    """The dictionary of all columns.
+    """A table that explains the columns of CSV files.
 
-    One line for every column of every CSV file, in the order of the page.
+    It has one line for each column, in the order of the page.
     """
     lines: list[tuple[str, ...]] = []
     for section in sections:
@@ -88,9 +88,9 @@ def dictionary(sections: Iterable[Section]) -> Table:
 
 
 def _headings(table: Table) -> dict[str, str]:
-    """Map each column's key to its heading.
+    """Map each column of a CSV file to its heading.
 
-    The heading is empty where the page shows no such column.
+    The heading is empty for a column that the page does not show.
     """
     headings = {column.key: " ".join(column.title.split()) for column in table.columns}
     return headings | {key: "" for key in table.numbers if key not in headings}
@@ -113,9 +113,10 @@ _ID = re.compile(r' id="|href="#|url\(#')  # the text before an id
 
 
 def inline(svg: str, name: str, alt: str) -> Markup:
-    """An SVG file's text as an element.
+    """An SVG file's text as an HTML element.
 
-    Its ids begin with the figure's name.
+    `name` is put before its ids, so that ids of several figures differ. Colours become variables of
+    the page. `alt` is the text for readers who do not see it.
     """
 
     def of_page(tag: re.Match[str]) -> str:
@@ -128,9 +129,9 @@ def inline(svg: str, name: str, alt: str) -> Markup:
 
 
 def _following(match: re.Match[str]) -> str:
-    """A style with the page's variables and font.
+    """A `style` attribute that follows the page.
 
-    The variables stand for its colours.
+    Its colours become CSS variables, and its font that of the page.
     """
     text = _COLOUR.sub(lambda colour: f"var({_VARIABLES[colour.group()]})", match.group())
     return text.replace("'DejaVu Sans'", "inherit")

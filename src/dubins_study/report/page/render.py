@@ -1,7 +1,4 @@
-"""Write the report's files and its page.
-
-Figures, tables and one self-contained HTML file.
-"""
+"""Write the report: figures, tables and self-contained pages."""
 
 from __future__ import annotations
 
@@ -39,9 +36,9 @@ from dubins_study.study.rows.parts import folder_paths
 
 
 class Head(NamedTuple):
-    """A page's heading and its question.
+    """A page's heading, and the question below it.
 
-    The question is one or more sentences.
+    `asked` is one or more sentences.
     """
 
     heading: str
@@ -57,9 +54,9 @@ _ASKED = (
 
 
 def head_of(folders: Sequence[Folder]) -> Head:
-    """Title and question of the page.
+    """The heading and the question of the page.
 
-    They are the experiment's, or the report's if there are several experiments.
+    They are those of the experiment, or the report's own if the folders hold several experiments.
     """
     first = folders[0]
     if len({folder.name for folder in folders}) > 1:
@@ -119,9 +116,10 @@ def write_page(
 ) -> FilePath:
     """Write sections as a page, tables and figures.
 
-    The page is about results folders. Returns `index.html`. `draw` makes the sections, after a
-    check that the folder `out` can be written; else a `ReportError` is raised. An earlier report
-    there is replaced in one step.
+    `draw` makes the sections; it is called after a check that the folder `out` can be written.
+    `folders` are the results folders that the page is about. An earlier report in `out` is replaced
+    in one step. The path of `index.html` comes back. A `ReportError` says why `out` cannot be
+    written.
     """
     target = FilePath(out)
     try:
@@ -142,6 +140,10 @@ _SIGN = FilePath("tables", "dictionary.csv")  # a folder with this file is a rep
 
 
 def _check_target(target: FilePath) -> None:
+    """Raise an error unless a report may replace `target`.
+
+    The target may be missing, an empty folder, or a folder with an earlier report and nothing else.
+    """
     if not target.exists():
         return
     if not target.is_dir():
@@ -156,6 +158,7 @@ def _check_target(target: FilePath) -> None:
 
 
 def _sections(results: Results | None, progress: Progress | None) -> list[Section]:
+    """The sections of the report, in page order."""
     if results is None:
         return [_without_rows(), failures_section(None), limits_section(None)]
     sections: list[Section] = []
@@ -178,9 +181,10 @@ def _without_rows() -> Section:
 def _write_whole(
     target: FilePath, sections: Sequence[Section], runs: Sequence[Folder], head: Head
 ) -> None:
-    """Write to a temporary folder, then rename it.
+    """Write all files, then rename them to `target`.
 
-    A reader never sees an incomplete report.
+    They are written to a temporary folder beside the target, which is then renamed. A reader never
+    sees an incomplete report.
     """
     with tempfile.TemporaryDirectory(
         prefix=f".{target.name}-", dir=target.parent, ignore_cleanup_errors=True
@@ -197,6 +201,7 @@ def _write_whole(
 def _write(
     folder: FilePath, sections: Sequence[Section], runs: Sequence[Folder], head: Head
 ) -> None:
+    """Write tables, figures and pages into an empty folder."""
     for name in ("figures", "tables"):
         (folder / name).mkdir()
     blocks = list(chain.from_iterable(section.blocks for section in sections))
@@ -242,9 +247,10 @@ def _write(
 
 
 def _write_picture(picture: Picture, folder: FilePath) -> dict[str, Markup]:
-    """Write a figure's files.
+    """Write a figure's files; return its HTML elements.
 
-    Returns the elements of the page, by name, for both widths.
+    The files are SVG and PDF, in `folder`. The elements are by name: the wide figure's, and
+    `NAME-narrow` if the picture has a narrow one.
     """
     fix_layout(picture.figure)
     svg = figure_bytes(picture.figure, "svg")
@@ -264,9 +270,9 @@ def _write_text(file: FilePath, text: str) -> None:
 
 
 def _template() -> Template:
-    """The template of one page.
+    """A fresh template, to render one page.
 
-    In each page the first use of a word is a link.
+    A template links only the first use of a word of the glossary, so each page needs its own.
     """
     templates = environment()
     templates.filters |= {"left_out": left_out, "warnings": warnings, "differing": differing}
@@ -274,7 +280,7 @@ def _template() -> Template:
 
 
 def warnings(run: Folder) -> list[str]:
-    """Warnings about a folder's numbers, perhaps none."""
+    """Warnings about a folder's numbers; often none."""
     lines = []
     if not run.rows.current:
         lines.append("It has no rows, so no number here comes from it.")
@@ -298,9 +304,10 @@ def warnings(run: Folder) -> list[str]:
 
 
 def differing(recheck: Recheck) -> str:
-    """How many rows the check here judges differently.
+    """A sentence on how many rows are judged differently.
 
-    The rows' verdicts are compared with those of the folder.
+    The check here judged rows of another set-up anew. Its verdicts are compared with those of the
+    folder, column by column.
     """
     listed = ", ".join(f"{name} {count(n)}" for name, n in recheck.differing.items())
     if listed:
@@ -316,9 +323,9 @@ def differing(recheck: Recheck) -> str:
 
 
 def left_out(run: Folder) -> list[str]:
-    """Rows that the report leaves out, with reasons.
+    """How many rows the report leaves out, and why.
 
-    The list is empty if the report shows all rows of the folder.
+    A text for each reason; empty if the report shows all rows of the folder.
     """
     lines = {
         "of earlier code of their solvers": run.rows.stale,

@@ -61,9 +61,11 @@ KEYS = tuple(dict.fromkeys(topic.about for topic in TOPICS if isinstance(topic.a
 
 
 def sections_of(topic: Topic, results: Results) -> Iterator[Section]:
-    """The topic's sections.
+    """Write the topic's sections.
 
-    One per experiment if several name it, none without rows, else one.
+    A study, whose `about` is an experiment's key, yields one section per experiment with this key.
+    If there are several, each has its experiment's name. Other topics yield one section about all
+    their attempts. A topic without rows yields none.
     """
     selections = _selections(topic, results)
     for name, selection in selections.items():
@@ -76,10 +78,7 @@ def sections_of(topic: Topic, results: Results) -> Iterator[Section]:
 
 
 def _with_labels(section: Section, results: Results) -> Section:
-    """The section with short names in its tables.
-
-    The short names are those of the page's solvers.
-    """
+    """The section whose tables know the solvers' short names."""
     labels = labels_of(results)
     blocks = list(section.blocks)
     for place, block in enumerate(blocks):
@@ -91,7 +90,8 @@ def _with_labels(section: Section, results: Results) -> Section:
 def _place(topic: Topic, results: Results) -> Place:
     """The topic's place on the page.
 
-    A study's place is the front if the page has no benchmark.
+    It is the topic's own, except on a page without a benchmark: there a study moves from the
+    details to the front.
     """
     study = isinstance(topic.about, str) and topic.place is Place.DETAILS
     alone = all(run.section != BENCHMARK for run in results.folders)
@@ -101,16 +101,17 @@ def _place(topic: Topic, results: Results) -> Place:
 
 
 def _selections(topic: Topic, results: Results) -> dict[str, Results]:
-    """Attempts for each section of the topic.
+    """The attempts of each section: experiment -> results.
 
-    The keys are experiments, or empty.
+    The key is empty for a section that is not about a single experiment.
     """
-    # of folders with one name the first one's key
+    # reversed: if folders share a name, the first folder's key stays
     keys = {run.name: run.section for run in reversed(results.folders)}
     if isinstance(topic.about, str):
         about = [run.name for run in results.folders if keys[run.name] == topic.about]
         return {name: results.only({name}) for name in about}
     names = _of_kinds(keys)[topic.about]
+    # `results` itself, where nothing is left out: what was computed of it is kept
     if names == set(keys):
         return {"": results}
     if names:
@@ -119,14 +120,15 @@ def _selections(topic: Topic, results: Results) -> dict[str, Results]:
 
 
 def _of_kinds(keys: Mapping[str, str | None]) -> dict[General, set[str]]:
-    """The experiments of each general kind.
+    """The names of the experiments of each general kind.
 
-    All experiments, with the keys that they give.
+    `keys` maps each experiment to the key `section` of its file, or None.
     """
     studies = {topic.about for topic in TOPICS}
     admitted = {kind: {topic.about for topic in TOPICS if kind in topic.enters} for kind in General}
 
     def entering(kind: General) -> set[str]:
+        # all experiments but studies, and those studies whose topic enters this kind
         return {name for name, key in keys.items() if key not in studies or key in admitted[kind]}
 
     every = set(keys)
@@ -143,16 +145,17 @@ def _of_kinds(keys: Mapping[str, str | None]) -> dict[General, set[str]]:
         General.BENCHMARKED: suites,
         General.FOUND: with_findings,
         General.COMPARED: entering(General.COMPARED),
-        # studies alone are pooled
+        # If nothing enters, the next set that is not empty is taken: a page of studies only has
+        # these sections too.
         General.POOLED: entering(General.POOLED) or suites or every,
         General.DECIDED: suites or entering(General.COMPARED) or every,
     }
 
 
 def _named_after(section: Section, experiment: str) -> Section:
-    """The section, named after the experiment.
+    """The section with the experiment in all its names.
 
-    The name is in its title, its anchor and its files' names.
+    These are its title, its anchor and the names of its files.
     """
     end = slug(experiment)
     blocks = tuple(replace(block, name=f"{block.name}-{end}") for block in section.blocks)

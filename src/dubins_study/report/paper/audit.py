@@ -1,11 +1,10 @@
-"""The audit of the paper.
+"""The audit of the paper: recompute every printed length.
 
-Every printed length is recomputed and compared. `audit` returns one object of plain values. It is
-the same on every machine, since every number is proven to its last digit before it is rounded.
-`contradictions` compares it with the committed one.
+`audit` returns one record of plain values. It is the same on every machine, since every number is
+proven to its last digit before it is rounded. `contradictions` compares it with the committed one.
 
 A cell is a *correct rounding* if it is within half a unit of its last digit of the exact value.
-Otherwise it is compared with the row that each of these accidents would print:
+Otherwise it is compared with what each of these accidents would print:
 
 * *double rounding*: the exact value rounded (half up) to more places, then to the printed ones;
 * *truncated*: the exact value cut off at the printed places;
@@ -68,13 +67,18 @@ _MOST_PLACES = 15  # decimals; a double has no more digits
 
 
 def audit() -> Record:
-    """The whole audit; lengths in the scenario's unit.
+    """The whole audit as a record of four lists.
 
-    `cells` (one record per printed length: table, label, path, word, quantity, printed, exact to
-    40 digits, difference = printed - exact, verdict), `paths` (one per printed row: the miss when
-    driven, and the miss that correct rounding allows), `algorithm` (one per test problem: the
-    radius at which the target enters a turning circle, and the path that Algorithm 1 returns for
-    larger radii) and `statements`.
+    Returns:
+        Lengths are in the scenario's unit.
+
+        cells: a record per printed length: table, label, path, word, quantity, printed, exact (to
+            40 digits), difference (printed - exact), verdict.
+        paths: a record per printed row: the miss when driven, and the miss that correct rounding
+            allows.
+        algorithm: a record per test problem: the radius at which the target enters a turning
+            circle, and the path that Algorithm 1 returns for larger radii.
+        statements: a record per statement of the paper: where, says, holds, finding.
     """
     with ctx.workdps(WORKING):
         return {
@@ -86,9 +90,9 @@ def audit() -> Record:
 
 
 def _cells(row: PrintedRow) -> Iterator[Record]:
-    """The printed lengths of a row.
+    """Yield a record for each length of a row.
 
-    The zero of its missing turn is left out.
+    The printed 0 of the missing turn has no record.
     """
     problem = PROBLEMS[row.label]
     exact = _with_total(pieces(problem, row.word))
@@ -109,17 +113,19 @@ def _cells(row: PrintedRow) -> Iterator[Record]:
 
 
 def _with_total(z: Pieces) -> list[arb]:
+    """The values z1, z2, z3, and f, their sum."""
     return [*z, z[0] + z[1] + z[2]]
 
 
 class Accident(NamedTuple):
-    """One way to print a row: its verdict, and the printed row."""
+    """One way to print a row: verdict and cells."""
 
     verdict: str
     row: list[Decimal]
 
 
 def _accidents(exact: Sequence[arb], bias: Sequence[arb]) -> list[Accident]:
+    """The accidents that are tried, the preferred ones first."""
     twice = [
         Accident(DOUBLE, [rounded_twice(value, first, _PLACES) for value in exact])
         for first in range(_PLACES + 1, _MOST_PLACES + 1)
@@ -133,9 +139,9 @@ def _accidents(exact: Sequence[arb], bias: Sequence[arb]) -> list[Accident]:
 
 
 def _accident_of(place: int, row: PrintedRow, accidents: Sequence[Accident]) -> str:
-    """The verdict on a wrong cell.
+    """The verdict on a cell that is wrongly rounded.
 
-    One that is not a correct rounding.
+    `place` is the cell's number in the row.
     """
     printed = [Decimal(cell) for cell in row.cells]
 
@@ -149,11 +155,11 @@ def _accident_of(place: int, row: PrintedRow, accidents: Sequence[Accident]) -> 
 
 
 def _path(row: PrintedRow) -> Record:
-    """Drive the printed path from the exact start.
+    """A record of the printed path, driven exactly.
 
     `rounding_allows` is the largest miss of the exact path with each of its parts rounded by up to
-    half a unit. For a fixed turn the miss is convex in the straight, and along the turn it grows
-    with the distance from the best angle, so it is largest at a corner of the box.
+    half a unit. For a fixed turn the miss is convex in the straight. Along the turn it grows with
+    the distance from the best angle. So it is largest at a corner of the box.
     """
     problem = PROBLEMS[row.label]
     printed = [ball(Decimal(cell)) for cell in row.cells[:3]]
@@ -171,23 +177,22 @@ def _path(row: PrintedRow) -> Record:
 
 
 def _algorithm() -> list[Record]:
-    """Algorithm 1 on each test problem.
+    """A record of Algorithm 1 for each test problem.
 
-    The radius is that at which a turning circle passes through the target. A turning circle passes
-    through the target at the radius R* = r^2 / (2 |Y|); r is the target's distance and Y its offset
-    from the start's heading line. For larger radii the optimum begins with a turn away from the
-    target (RL in the left disc, LR in the right disc). Of the algorithm's two words, only the one
-    that begins with this turn then exists. The unsplit model (4.12) contains LR too, so it is right
-    in the right disc, but it does not contain RL.
+    A turning circle passes through the target at the radius R* = r^2 / (2 |Y|). Here r is the
+    target's distance and Y its offset from the start's heading line. For larger radii the optimum
+    begins with a turn away from the target (RL in the left disc, LR in the right disc). Of the
+    algorithm's two words, only the one that begins with this turn then exists. The unsplit model
+    (4.12) contains LR too, so it is right in the right disc, but it does not contain RL.
     """
     positions = {problem.position: problem for problem in PROBLEMS.values()}
     return [_crossing(position, problem) for position, problem in positions.items()]
 
 
 def _crossing(position: str, problem: Problem) -> Record:
-    """Lengths just beyond R*.
+    """A record of lengths just beyond the radius R*.
 
-    The right circle is the left one of the mirror image.
+    The right circle is computed as the left one of the mirror image.
     """
     at = target(problem, arb(1))
     left = positive(at.imag)
@@ -217,12 +222,13 @@ def _crossing(position: str, problem: Problem) -> Record:
 
 
 def _statements() -> list[Record]:
-    """The paper's statements, checked on its scenarios.
+    """A record for each statement of the paper.
 
-    Records of where, says, holds, finding. That the exact LS and RS meet (4.10) and (4.11) is
-    asserted of each in `pieces`.
+    The statements are checked on the paper's scenarios. A record has the keys where, says, holds,
+    finding. That the exact LS and RS meet (4.10) and (4.11) is asserted for each of them in
+    `pieces`.
     """
-    turns: list[arb] = []
+    turns: list[arb] = []  # left turn minus right turn of each LS and RS, rad
     ends: list[arb] = []  # final headings, not wrapped
     ratios: list[float] = []  # the longer of LS and RS by the shorter
     for problem in PROBLEMS.values():
@@ -270,18 +276,18 @@ def _range(crossings: list[Record]) -> str:
 
 
 def _is_ticks(printed: str) -> bool:
-    """Whether a printed time is a number of ticks.
+    """Whether a printed time is whole clock ticks.
 
-    The clock has 64 ticks a second; the time is rounded.
+    The clock has 64 ticks a second; the time is rounded to 3 decimals.
     """
     ticks = round(Decimal(printed) * 64)
     return rounded(ball(Fraction(ticks, 64)), 3) == Decimal(printed)
 
 
 def contradictions(computed: Record, committed: Record) -> list[str]:
-    """Differences from the committed audit.
+    """Lines of a unified diff between two audits.
 
-    They are lines of a unified diff.
+    There are none if the computed audit equals the committed one.
     """
     ours = json.dumps(computed, indent=1, ensure_ascii=False).splitlines()
     theirs = json.dumps(committed, indent=1, ensure_ascii=False).splitlines()

@@ -1,9 +1,9 @@
 """The paper's paths in interval arithmetic.
 
-Arb computes them, through python-flint; printed numbers are compared with them. Everything is
-computed in the vehicle's frame at unit radius, as in `study.closed_form.shortest`, but with proven
-bounds and with the exact headings of the paper (2 pi/3 is not rounded to a double). The formulas
-are not trusted: each path is driven, and must arrive.
+Printed numbers are compared with these paths. Arb computes them, through python-flint, in the
+vehicle's frame at unit radius, as in `study.closed_form.shortest`. The bounds are proven, and the
+headings are exact (2 pi/3 is not rounded to a double). The formulas are not trusted: each path is
+driven, and must arrive.
 """
 
 from __future__ import annotations
@@ -24,30 +24,33 @@ Pieces = tuple[arb, arb, arb]
 
 
 def ball(value: Fraction | Decimal | int) -> arb:
-    """A rational number as a ball."""
+    """A rational number as a ball that contains it."""
     fraction = Fraction(value)
     return arb(fmpq(fraction.numerator, fraction.denominator))
 
 
 def positive(value: arb) -> bool:
-    """Whether a number lies above zero, proven."""
+    """Whether a number is above zero, proven.
+
+    An error is raised if its ball contains zero.
+    """
     if value.contains(0):
         raise ArithmeticError(f"too few digits for the sign of {value.str(5)}")
     return bool(value > 0)
 
 
 def text(value: arb) -> str:
-    """A number with 40 significant digits.
+    """A number as text with 40 significant digits.
 
-    It is proven up to a unit of the last.
+    The last digit is proven up to one unit.
     """
     return str(value.str(_KEPT, radius=False))
 
 
 def truncated(value: arb, places: int) -> Decimal:
-    """A number truncated after `places` decimals, proven.
+    """A number cut off after `places` decimals, proven.
 
-    The number is not negative.
+    The number must not be negative. An error is raised if its ball leaves the digits open.
     """
     whole = (value * 10**places).floor().unique_fmpz()
     if whole is None:
@@ -58,7 +61,7 @@ def truncated(value: arb, places: int) -> Decimal:
 def rounded(value: arb, places: int) -> Decimal:
     """A number rounded to `places` decimals, proven.
 
-    Half is rounded up; the number is not negative.
+    Half is rounded up. The number must not be negative.
     """
     return truncated(value + half_unit(places), places)
 
@@ -86,26 +89,27 @@ def heading(problem: Problem) -> arb:
 
 
 def target(problem: Problem, radius: arb) -> acb:
-    """The target in the vehicle's frame.
+    """The target in the vehicle's frame at the start.
 
-    Its unit is `radius`; its conjugate is mirrored.
+    The length unit is `radius`. The conjugate of the result is the target of the mirrored problem.
     """
     return acb(*problem.target) * direction(-heading(problem)) / radius
 
 
 def after_left(at: acb, angle: arb) -> acb:
-    """A target in the vehicle's frame after a turn.
+    """The target as seen after a left turn.
 
-    A left turn by an angle (rad), at unit radius.
+    `at` is the target before the turn; the turn is by `angle` (rad), at unit radius.
     """
     return (at - 1j) * direction(-angle) + 1j
 
 
 def left_straight(at: acb) -> tuple[arb, arb]:
-    """Turn and straight of LS.
+    """Turn (rad) and straight of LS, at unit radius.
 
-    The target is outside the left turning circle. Seen from the circle's centre, the target lies s
-    along and 1 across the direction of arrival.
+    The target must be outside the left turning circle. Seen from the circle's centre, the target
+    lies as far ahead as the straight is long, and 1 to the right; ahead is the direction of
+    arrival.
     """
     straight = (abs(at - 1j) ** 2 - 1).sqrt()
     turn = (1 + 1j * at).arg() - straight.atan()
@@ -117,7 +121,8 @@ def left_straight(at: acb) -> tuple[arb, arb]:
 def pieces(problem: Problem, word: str) -> Pieces:
     """z1, z2, z3 of the paper's LS or RS.
 
-    They are in the length unit; an assertion checks that the path arrives.
+    They are balls around the exact values, in the length unit. One of the turns z1 and z2 is 0. An
+    assertion checks that the path arrives.
     """
     at = target(problem, arb(problem.radius))
     if word != "LS":
@@ -133,7 +138,7 @@ def pieces(problem: Problem, word: str) -> Pieces:
 def miss(problem: Problem, z: Sequence[arb]) -> arb:
     """Distance of the target from a path's end.
 
-    The path is z; this is the length of (4.10) + i (4.11).
+    It is the length of the vector (4.10) + i (4.11).
     """
     th0 = heading(problem)
     th1 = th0 + z[0] / problem.radius
@@ -150,17 +155,18 @@ IPOPT_BARRIER = 0.02 ** (1.5**4)
 
 
 def biased(problem: Problem, word: str) -> Pieces:
-    """z1, z2, z3 where Ipopt's barrier stops.
+    """z1, z2, z3 at which Ipopt's barrier stops.
 
-    The model is (4.12); the values, near the LS or RS, have ten digits. z1 parametrises the model's
-    feasible curve. At unit radius, with the target at (X, Y) after the first turn, dz2 = 1 - 2 cos
-    z2 + 2 X / z3 and dz3 = -2 X / z3, so df = 2 (1 - cos z2), and f - (mu / R) (log z1 + log z2 +
-    log z3) is stationary where `slope` is `weight` times `pull`. Near LS that is z2 = (mu
-    R^2)^(1/3) in length units: the segments are off while f holds to mu's order.
+    The model is (4.12). The values lie near those of LS or RS, and have ten digits. z1 parametrises
+    the model's feasible curve. At unit radius, with the target at (X, Y) after the first turn, dz2
+    = 1 - 2 cos z2 + 2 X / z3 and dz3 = -2 X / z3, so df = 2 (1 - cos z2), and f - (mu / R) (log z1
+    + log z2 + log z3) is stationary where `slope` is `weight` times `pull`. Near LS that is z2 =
+    (mu R^2)^(1/3) in length units: the segments are off while f holds to mu's order.
     """
     R = problem.radius
     at = target(problem, arb(R))
     weight = IPOPT_BARRIER / R
+    # `base` is the first turn of the exact path, 0 for RS. The unknown `first` comes on top of it.
     # R S begins with the turn; in L S the second turn is what the barrier adds behind the first.
     base = pieces(problem, word)[0] / R
 
@@ -168,6 +174,10 @@ def biased(problem: Problem, word: str) -> Pieces:
         return left_straight(after_left(at, base + first).conjugate())
 
     def excess(first: float) -> float:
+        """Slope minus weighted pull; zero at the stationary point.
+
+        `first` is how far (rad) the first turn exceeds that of the exact path.
+        """
         z2, z3 = second(first)
         drift = 2 * after_left(at, base + first).real / z3
         slope = 2 * (1 - z2.cos())

@@ -1,10 +1,10 @@
 """Published lengths of routes beside proven intervals.
 
-An interval is around the shortest length. The routes are the four examples of C. Y. Kaya,
+A proven interval holds the shortest length. The routes are the four examples of C. Y. Kaya,
 Markov-Dubins interpolating curves, Computational Optimization and Applications 73 (2019) 647-677,
 which the packaged experiment `kaya` holds. The lengths (in `printed.toml`) stand in the test
-programs of icosac/MPDP, a solver by dynamic programming: Kaya's as `KayaLengths` in
-`test/dubinsTest.cc`, and its own to thirty digits.
+programs of icosac/MPDP, a solver by dynamic programming. Kaya's are `KayaLengths` in
+`test/dubinsTest.cc`, and its own have thirty digits.
 """
 
 from __future__ import annotations
@@ -24,9 +24,9 @@ TOO_SHORT = "too short"
 
 
 class PrintedRoute(NamedTuple):
-    """A published length of a route.
+    """A published length of a route, as printed.
 
-    It is as printed, with the verdict that the audit expects.
+    `expected` is the verdict that the audit should come to.
     """
 
     source: str
@@ -41,7 +41,7 @@ PRINTED_ROUTES = [PrintedRoute(**each) for each in NUMBERS["routes"]]
 def audit_routes(scenarios: Iterable[Scenario]) -> list[dict[str, Any]]:
     """A record for each published length.
 
-    Ours, the proven interval and the verdict.
+    It has the printed length, our length, the proven interval and the verdict.
     """
     routes = {scenario.label: scenario for scenario in scenarios}
     records = []
@@ -73,10 +73,10 @@ def compared(
 ) -> dict[str, Any]:
     """Compare a printed length with ours.
 
-    `difference` is how much longer it is; also its `verdict`. It is `longer` than the shortest if
-    what could round to it lies above the interval from `low` to `high`, which ends at the length of
-    a path that was found; `too short` if it lies below, where no path is; else `shortest`, up to
-    the interval's width.
+    The result has `difference` (printed - ours) and `verdict`. The numbers that round to the
+    printed one form an interval. The verdict is `longer` if this interval lies above `high`, the
+    length of a path that was found. It is `too short` if it lies below `low`, where no path is.
+    Else it is `shortest`, up to the width of the proven interval.
     """
     value = Fraction(printed)
     half_unit = Fraction(1, 2 * 10 ** len(printed.partition(".")[2]))

@@ -1,10 +1,9 @@
-"""Cost tables: means, ranks, profiles, and parts.
+"""Cost tables: means, ranks, profiles and parts.
 
-A cost table has the cost of each solver at each question. The rows of a cost table are questions,
-its columns solvers, and a value is the cost of a right answer in any one unit (seconds, function
-evaluations). Two values are special: infinity is a question that the solver was asked and did not
-answer correctly, so that a failure stays in every denominator; NaN is a question that it was not
-asked, or whose cost was not counted.
+A cost table has a row per question and a column per solver. A value is the cost of a right answer
+in any one unit (seconds, function evaluations). Infinity: the solver was asked this question and
+did not answer correctly, so that a failure stays in every denominator. NaN: the solver was not
+asked this question, or its cost was not counted.
 """
 
 from __future__ import annotations
@@ -26,10 +25,10 @@ _POINTS = 120  # of a profile
 def cost_table(rows: pd.DataFrame, cost: str, question: Sequence[str]) -> pd.DataFrame:
     """The cost table of attempts.
 
-    A cost is the median over repeats, infinite unless all repeats are right. The column `cost`
-    holds the cost of an attempt in any unit, NaN if not counted; the column `right` says whether
-    the answer is right. In the columns of `question`, which tell questions apart, a missing value
-    is a value.
+    A value is the median cost over repeats, and infinite unless all repeats are right. The column
+    `cost` holds the cost of an attempt in any unit, NaN if not counted. The column `right` says
+    whether the answer is right. The columns `question` together identify a question; a missing
+    value in them is a value like others.
     """
     groups = rows.groupby([*question, "solver"], observed=True, dropna=False)
     table = groups.agg(cost=(cost, "median"), right=("right", "all"))
@@ -38,10 +37,10 @@ def cost_table(rows: pd.DataFrame, cost: str, question: Sequence[str]) -> pd.Dat
 
 
 def shared_questions(table: pd.DataFrame) -> pd.DataFrame:
-    """The questions put to every solver.
+    """The rows of a cost table without NaN.
 
-    They are the rows without NaN. A joint profile, mean or ranking of solvers that met different
-    questions compares the questions.
+    Every solver was asked these questions. Solvers that met different questions must not be
+    compared: a joint profile, mean or ranking would compare the questions.
     """
     return table[table.notna().all(axis=1)].astype(np.float64)
 
@@ -78,24 +77,24 @@ def chosen_shift(values: ArrayLike) -> float:
 
 
 def penalised(table: pd.DataFrame, limit: float, factor: float = 1.0) -> pd.DataFrame:
-    """Costs with failures at a penalty.
+    """The cost table with failures at a penalty.
 
-    A failure counts as `factor` times the limit. A cost above the limit is one, too. The limit of
-    an attempt is in the unit of the table. NaN stays NaN.
+    A failure costs `factor` times the limit, and so does a cost above the limit. `limit` is the
+    limit of an attempt, in the unit of the table. NaN stays NaN.
     """
     return pd.DataFrame(table.mask(table > limit, factor * limit))
 
 
 def ranking(table: pd.DataFrame, limit: float, shift: float) -> pd.DataFrame:
-    """Ranks that do not depend on shift and penalty.
+    """Ranks of solvers; missing where they depend on choices.
 
-    They order the shifted geometric means of penalised costs. Each of `SHIFT_FACTORS` with each of
-    `PENALTIES` gives a ranking, over the questions put to all solvers. A rank that changes with the
-    shift or the penalty is missing. The limit of an attempt and the shift are in the unit of the
-    table.
+    The choices are shift and penalty. A rank orders the shifted geometric means of penalised costs,
+    over the questions put to all solvers. Each of `SHIFT_FACTORS` (times `shift`) with each of
+    `PENALTIES` (times `limit`) gives one ranking. The limit of an attempt and the shift are in the
+    unit of the table.
 
-    Indexed by solver. rank: 1 is best, equal means share the better rank, <NA> if it is none; best
-    and worst: the rank's range.
+    Indexed by solver. Columns: rank (1 is best, equal means share the better rank, <NA> if the
+    rankings differ), best and worst (the ends of the range of ranks).
     """
     costs = shared_questions(table)
     means = {
@@ -142,11 +141,12 @@ AMOUNTS = {
 
 
 def split(compared: Compared) -> dict[str, pd.DataFrame]:
-    """Costs of right answers, by kind.
+    """Split the costs of right answers by kind.
 
-    The questions have a path; the costs are in each of `AMOUNTS`. A row per attempt; answers whose
-    winning run is not known are left out. Columns solver, `KINDS` and total (of the whole attempt);
-    NaN where the engine does not count.
+    One frame comes back for each key of `AMOUNTS`: `evaluations` and `seconds`. A frame has a row
+    per attempt, with the columns solver, `KINDS` and total (of the whole attempt). Questions
+    without a path are left out, and so are answers whose winning run is not known. A cost is NaN
+    where the engine does not count.
     """
     rows = compared.answerable
     rows = rows[rows["right"] & (rows["best_run_s"] > 0)]
@@ -154,9 +154,9 @@ def split(compared: Compared) -> dict[str, pd.DataFrame]:
 
 
 def _parts(rows: pd.DataFrame, amount: str) -> pd.DataFrame:
-    """Each attempt's cost by kind, and its total.
+    """The attempts' costs by kind, and their totals.
 
-    The cost is in evaluations or seconds.
+    `amount` is a key of `AMOUNTS` and sets the unit. Columns `KINDS` and total.
     """
     runs, best, total = (rows[name] for name in AMOUNTS[amount])
     all_runs = runs.map(np.nansum, na_action="ignore").astype(np.float64)

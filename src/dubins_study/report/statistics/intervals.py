@@ -63,7 +63,8 @@ def wilson_intervals(successes: ArrayLike, trials: ArrayLike, of: int = 1) -> Fl
 def _tail(of: int) -> float:
     """The probability beyond each end of an interval.
 
-    The interval is one of `of` intervals that hold at once.
+    All `of` intervals hold at once with 95 % (Bonferroni), so each has a smaller tail: 0.025 /
+    `of`.
     """
     return (1 - LEVEL) / (2 * of)
 
@@ -71,15 +72,15 @@ def _tail(of: int) -> float:
 def scenario_shares(
     rows: pd.DataFrame, *, by: Sequence[str], success: str, scenario: Sequence[str]
 ) -> pd.DataFrame:
-    """The share of successes in every group.
+    """The share of successes in each group.
 
     Repeats of a scenario are one trial. The share is the mean over scenarios of each scenario's
-    success rate, the interval Wilson's for as many trials as there are scenarios (see
+    success rate. Its interval is Wilson's for as many trials as there are scenarios (see
     `wilson_intervals` on fractional successes).
 
-    Columns `by` make a group of attempts, columns `scenario` tell scenarios apart, the column
-    `success` says whether an attempt succeeded. Indexed by `by`; columns successes (a sum of
-    rates), trials, share, low, high.
+    The columns `by` group attempts, and the columns `scenario` identify a scenario. The column
+    `success` says whether an attempt succeeded. The result is indexed by `by`; its columns are
+    successes (a sum of rates), trials, share, low, high.
     """
     keys = [*by, *(name for name in scenario if name not in by)]
     rates = (
@@ -151,18 +152,19 @@ def bootstrap(
 def bootstrap_of_both(table: pd.DataFrame, engines: Sequence[str], of: int = 1) -> pd.DataFrame:
     """The mean of a table, over scenarios and engines.
 
-    Its interval is for scenarios and engines like those that were sampled. A resample draws
-    scenarios and, by itself, engines, with replacement, and takes the values where both meet (Owen
-    2007, "The pigeonhole bootstrap", Ann. Appl. Stat. 1): a sentence on engines in general has to
-    hold for other engines, too. The ends are as in `bootstrap`; if the mean is one of several, all
-    intervals hold at once.
+    Its interval holds beyond the sampled scenarios and engines: for others of the same sort, too. A
+    resample draws scenarios with replacement, draws engines with replacement, and takes the values
+    where both meet (Owen 2007, "The pigeonhole bootstrap", Ann. Appl. Stat. 1). The ends are as in
+    `bootstrap`. If the mean is one of `of` means, all their intervals hold at once.
 
-    The index of the table names the scenario of each row, `engines` the engine of each column; NaN
-    was not measured. One row with the columns estimate, low and high; NaN without values.
+    The index of the table names the scenario of each row, and `engines` the engine of each column.
+    NaN was not measured. The result has one row (`all`) with the columns estimate, low and high;
+    NaN without values.
     """
     values: FloatArray = table.to_numpy(dtype=np.float64)
     measured = ~np.isnan(values)
     weights = []
+    # Scenarios are drawn with seed 0, engines with seed 1: the two draws are independent.
     for seed, units in enumerate((table.index, pd.Index(engines))):
         place, names = pd.factorize(units)
         counts = scenario_counts(len(names), _resamples(of), seed)
@@ -175,9 +177,9 @@ def bootstrap_of_both(table: pd.DataFrame, engines: Sequence[str], of: int = 1) 
 
 
 def _resamples(of: int) -> int:
-    """The number of resamples for an interval.
+    """The number of resamples for one of `of` intervals.
 
-    One of several intervals needs more: its tails have fewer resamples.
+    One of several intervals needs more: fewer resamples lie in its smaller tails.
     """
     if of == 1:
         return RESAMPLES
@@ -185,9 +187,10 @@ def _resamples(of: int) -> int:
 
 
 def _with_ends(statistics: FloatArray, names: pd.Index[Any], of: int) -> pd.DataFrame:
-    """The estimate with the ends of its interval.
+    """The estimates with the ends of their intervals.
 
-    Statistics have the shape (1 + resamples, columns); the first line is the estimate.
+    `statistics` has the shape (1 + resamples, columns). Its first row is of the data themselves,
+    the estimate. The result has a row per column, with the columns estimate, low, high.
     """
     frame = pd.DataFrame(statistics, columns=names)
     resampled = frame.iloc[1:]
@@ -198,9 +201,10 @@ def _with_ends(statistics: FloatArray, names: pd.Index[Any], of: int) -> pd.Data
 
 
 def scenario_counts(scenarios: int, resamples: int, seed: int = 0) -> FloatArray:
-    """How often each resample has each scenario.
+    """How often each resample draws each scenario.
 
-    Whole numbers, shape (resamples, scenarios).
+    Whole numbers, shape (resamples, scenarios). Equal arguments give equal counts: the seed is
+    fixed.
     """
     if not scenarios:
         return np.zeros((resamples, 0))
@@ -210,19 +214,20 @@ def scenario_counts(scenarios: int, resamples: int, seed: int = 0) -> FloatArray
 
 
 def medians(values: FloatArray, weights: FloatArray) -> FloatArray:
-    """Weighted medians of columns: a `Statistic`.
+    """Weighted medians of columns, shape (resamples, columns).
 
-    Each value counts as often as its weight says.
+    This is a `Statistic`: each value counts as often as its weight (a whole number) says.
     """
     resamples = (np.repeat(values, counts, axis=0) for counts in weights.astype(int))
     return np.array([pd.DataFrame(resample).median() for resample in resamples])
 
 
 def averages(values: FloatArray, weights: FloatArray) -> FloatArray:
-    """Arithmetic means of columns of finite values: a `Statistic`.
+    """Weighted means of columns, shape (resamples, columns).
 
-    For successes (0 or 1) it is their share; for differences of successes (-1, 0 or 1) the
-    difference of two shares on the same questions.
+    This is a `Statistic` of finite values; NaN is left out. The mean of successes (0 or 1) is their
+    share. The mean of differences of successes (-1, 0 or 1) is the difference of two shares on the
+    same questions.
     """
     measured = ~np.isnan(values)
     with np.errstate(invalid="ignore"):  # 0 / 0: a resample without a value
@@ -231,7 +236,10 @@ def averages(values: FloatArray, weights: FloatArray) -> FloatArray:
 
 
 def geometric_means(shift: float) -> Statistic:
-    """The `Statistic` of `costs.shifted_geometric_means`, of finite costs."""
+    """A `Statistic`: shifted geometric means of finite costs.
+
+    The returned function computes what `costs.shifted_geometric_means` computes, for each resample.
+    """
 
     def means(values: FloatArray, weights: FloatArray) -> FloatArray:
         result: FloatArray = np.exp(averages(np.log(values + shift), weights)) - shift
@@ -241,13 +249,14 @@ def geometric_means(shift: float) -> Statistic:
 
 
 class PairedTest(NamedTuple):
-    """A two-sided paired test of two solvers.
+    """The result of a paired test of two solvers.
 
-    A solver against a rival on the same questions, by costs (see `costs`). `pairs` compared
-    questions, of which the solver was cheaper in `wins`, dearer in `losses` and equal in `ties`;
-    `p`: the probability of a difference at least as large if there is none, 1 if there are only
-    ties. A failure loses to every right answer, two failures tie, and a pair with NaN is left out.
-    Repeats are not independent: each question has one value, such as their median.
+    The test is two-sided. It compares a solver with a rival on the same questions, by costs (see
+    `costs`). `pairs` questions were compared; the solver was cheaper in `wins`, dearer in `losses`
+    and equal in `ties`. `p` is the probability of a difference at least as large if there is none;
+    it is 1 if there are only ties. A failure loses to every right answer, two failures tie, and a
+    pair with NaN is left out. Repeats are not independent: each question has one value, such as
+    their median.
     """
 
     pairs: int
@@ -258,12 +267,12 @@ class PairedTest(NamedTuple):
 
 
 def sign_test(costs: ArrayLike, rival_costs: ArrayLike) -> PairedTest:
-    """The exact sign test of wins and losses.
+    """The exact sign test of two solvers' costs.
 
-    Its hypothesis: both are equally likely. Wins are binomial with 1/2 of wins + losses; ties are
-    left out (Conover 1999, Practical Nonparametric Statistics, 3rd ed., sec. 3.4). On costs of 0
-    (right) and 1 (wrong) it is McNemar's exact test of two success rates. It assumes nothing of the
-    sizes of differences.
+    Its hypothesis is that wins and losses are equally likely. Wins are binomial with 1/2 of wins +
+    losses; ties are left out (Conover 1999, Practical Nonparametric Statistics, 3rd ed., sec. 3.4).
+    On costs of 0 (right) and 1 (wrong) it is McNemar's exact test of two success rates. It assumes
+    nothing of the sizes of differences.
     """
     first = np.asarray(costs, dtype=np.float64)
     rival = np.asarray(rival_costs, dtype=np.float64)
@@ -294,11 +303,11 @@ def holm(p_values: ArrayLike) -> FloatArray:
 
 
 def paired_tests(table: pd.DataFrame, pairs: Iterable[tuple[str, str]]) -> pd.DataFrame:
-    """Sign tests of pairs of columns.
+    """A sign test for each pair of columns.
 
-    The table is a cost table with one row per question. Columns solver, rival, those of
-    `PairedTest` and p_holm (over all pairs); p and p_holm are NaN of two solvers without a common
-    question.
+    The table is a cost table with one row per question, and a pair is (solver, rival). Columns of
+    the result: solver, rival, those of `PairedTest`, and p_holm (Holm's correction over all pairs).
+    p and p_holm are NaN for two solvers without a common question.
     """
     lines = [(solver, rival, *sign_test(table[solver], table[rival])) for solver, rival in pairs]
     frame = pd.DataFrame(lines, columns=["solver", "rival", *PairedTest._fields])

@@ -1,7 +1,4 @@
-"""The methods that are compared.
-
-Their names, and the attempts by which they are compared.
-"""
+"""The methods that are compared: names, ranking, attempts."""
 
 from __future__ import annotations
 
@@ -34,17 +31,22 @@ _GUESSES = ("none", "bearing", "zero", "random", "warm", "given")
 
 
 def methods_of(rows: pd.DataFrame) -> pd.DataFrame:
-    """The methods of attempts, in the order of tables.
+    """A frame of the methods, one row per solver.
 
-    Rows of attempts that failed may lack a method's columns; another row of the solver gives them.
+    Solvers are in the order of tables. Rows of attempts that failed may lack a method's columns;
+    another row of the solver gives them.
 
     Returns:
-        Indexed by solver. Columns formulation, engine, guess; settings: those of the spec that
-        distinguish solvers with the same three (the solver's name if it states no engine; the
-        engine of a plug-in's solver is its own name, and such solvers come first), and the presolve
-        where it distinguishes solvers of the formulation; variant: guess and settings, the guess
-        only where it is unusual or not the only one; short: engine and variant, for a figure of one
-        formulation; name: for sentences, with formulation and guess.
+        Indexed by solver, with these columns:
+
+        formulation, engine, guess: as the rows state them. The engine of a plug-in's solver is the
+            solver's own name; such solvers come first.
+        settings: settings of the spec that distinguish solvers with equal formulation, engine and
+            guess; the presolve where it distinguishes solvers of the formulation. With the solver's
+            name if it states no engine.
+        variant: guess and settings; the guess only where it is unusual or not the only one.
+        short: engine and variant, for a figure of one formulation.
+        name: engine, guess, settings and formulation, for sentences.
     """
     stated = rows.groupby("solver", observed=True)[_STATED].first().fillna(UNSTATED)
     names = stated.index.map(own_name).to_series(stated.index)
@@ -73,7 +75,10 @@ def methods_of(rows: pd.DataFrame) -> pd.DataFrame:
 
 
 def _settings_texts(stated: pd.DataFrame, guesses: pd.Series[str]) -> dict[str, str]:
-    """The settings of each spec that its name shows."""
+    """The shown settings as text: spec -> text.
+
+    `guesses` has each solver's guess; solvers with one formulation, engine and guess are compared.
+    """
     presolves = {}
     for name, group in stated.groupby("formulation"):
         keys = _differing_keys([parse_spec(spec)[1] for spec in group.index])
@@ -87,14 +92,22 @@ def _settings_texts(stated: pd.DataFrame, guesses: pd.Series[str]) -> dict[str, 
 
 
 def _sentence_name(engine: str, details: str, formulation: str) -> str:
-    """A method's name in a sentence."""
+    """A method's name in a sentence.
+
+    An example is `Ipopt (zero) on joint NLP`. The parentheses with the details are left out if
+    there are none.
+    """
     if details:
         engine += f" ({details})"
     return f"{engine} on {formulation}"
 
 
 def _joined(*texts: pd.Series[str]) -> pd.Series[str]:
-    """Texts joined by commas, without empty ones."""
+    """Join texts row by row with commas.
+
+    Empty texts are left out: `["Ipopt", "SLSQP"], ["presolve", ""] -> ["Ipopt, presolve",
+    "SLSQP"]`.
+    """
     lines = zip(*texts, strict=True)
     return pd.Series(
         [", ".join(filter(None, line)) for line in lines], texts[0].index, dtype=object
@@ -104,12 +117,13 @@ def _joined(*texts: pd.Series[str]) -> pd.Series[str]:
 def best_methods(frame: pd.DataFrame, keys: list[str]) -> pd.DataFrame:
     """The best-supported method of each group.
 
-    The fastest where several have equal support. The lower end of the share's interval decides: a
-    few questions, all right, support a method less than many questions, nearly all right.
+    The method with the highest lower end of the share's interval is chosen; of several, the
+    fastest. So a few questions, all right, support a method less than many questions, nearly all
+    right.
 
-    The frame has a row per method with the columns `keys`, e.g. formulation and engine, right_low
-    (of the share of right answers) and wall_s (median time); returned are some of its rows, in its
-    order.
+    `frame` has a row per method. The columns `keys`, e.g. formulation and engine, define the
+    groups; right_low is the lower end (of the share of right answers) and wall_s the median time.
+    The chosen rows come back in the order of the frame.
     """
     ranked = _ranked(frame.reset_index(drop=True))
     places = ranked.drop_duplicates(keys).index
@@ -117,14 +131,15 @@ def best_methods(frame: pd.DataFrame, keys: list[str]) -> pd.DataFrame:
 
 
 def _ranked(frame: pd.DataFrame, low: str = "right_low") -> pd.DataFrame:
+    """Sort methods by support: highest lower end, then fastest."""
     return frame.sort_values([low, "wall_s"], ascending=[False, True], kind="stable")
 
 
 def by_support(rows: pd.DataFrame, keys: list[str]) -> pd.DataFrame:
-    """The methods of attempts, the best supported first.
+    """A row per group, the best supported first.
 
-    The attempts are `Compared.rows`. As `scenario_shares` by the keys, a trial a question, with
-    wall_s, the median time (s).
+    `rows` are those of `Compared.rows`, and `keys` are the columns that define a group. The columns
+    are those of `scenario_shares`, with a question as a trial, and wall_s, the median time (s).
     """
     shares = scenario_shares(rows, by=keys, success="right", scenario=["question"])
     times = rows.groupby(keys, observed=True)["wall_s"].median()
@@ -140,14 +155,15 @@ MOST_ENGINES = 10
 def drawn_methods(frame: pd.DataFrame) -> pd.DataFrame:
     """The methods that figures by formulation show.
 
-    They are the `best_methods` of engines. At most `MOST_ENGINES` of a formulation, plug-ins' and
-    the best supported; not the closed form, to which no engine compares, unless there is no other.
+    Each engine of a formulation has its best method (`best_methods`). A formulation has at most
+    `MOST_ENGINES` engines: those of plug-ins, then the best supported. The closed form is left out,
+    since no engine compares to it, unless there is no other.
     """
     engines = frame[frame["formulation"] != FORMULATIONS[0]]
     if engines.empty:
         engines = frame
     best = best_methods(engines, ["formulation", "engine"])
-    best = best.assign(place=range(len(best)))
+    best = best.assign(place=range(len(best)))  # to restore the order of tables at the end
     ranked = _ranked(best).sort_values(  # plug-ins' solvers first
         "solver", key=lambda solvers: solvers.map(own_name).eq(""), kind="stable"
     )
@@ -156,10 +172,10 @@ def drawn_methods(frame: pd.DataFrame) -> pd.DataFrame:
 
 
 def foremost(scores: pd.Series[float], most: int = MOST_ENGINES) -> list[str]:
-    """Solvers whose curves are in colour.
+    """The solvers whose curves are drawn in colour.
 
-    They are plug-ins' and those with the largest scores, in the order of the index. A figure draws
-    their curves in colour and the others in grey.
+    They are the plug-ins' solvers, then those with the largest scores, at most `most`. They come
+    back in the order of the index. A figure draws the other curves in grey.
     """
     best = scores.sort_values(ascending=False, kind="stable").index
     chosen = set([*own(best), *best][:most])
@@ -167,20 +183,25 @@ def foremost(scores: pd.Series[float], most: int = MOST_ENGINES) -> list[str]:
 
 
 def _differing_keys(settings: list[dict[str, str]]) -> set[str]:
-    """The settings that some specs have otherwise than others."""
+    """The keys of settings that some specs have otherwise.
+
+    A key counts if two specs give it different values, or if one lacks it.
+    """
     keys = set[str]().union(*settings)
     return {key for key in keys if len({group.get(key) for group in settings}) > 1}
 
 
 def _differing(specs: list[str], *, named: bool, also: set[str]) -> dict[str, str]:
-    """Texts of the settings that specs do not share.
+    """The differing settings of each spec: spec -> text.
 
-    For each spec; with the name if specs differ in it, and with the settings `also`.
+    The settings `also` are shown even if all specs share them. The solver's name is shown first if
+    specs differ in it, or if `named`.
     """
     parsed = [parse_spec(spec) for spec in specs]
     keys = dict.fromkeys(chain.from_iterable(settings for _, settings in parsed))
     differing = _differing_keys([settings for _, settings in parsed]) | also
     shown = [key for key in keys if key in differing]
+    # The solver's name is an item too, where it is needed to tell the specs apart.
     several_names = named or len({name for name, _ in parsed}) > 1
     texts = {}
     for spec, (name, settings) in zip(specs, parsed, strict=True):
@@ -194,19 +215,21 @@ def _differing(specs: list[str], *, named: bool, also: set[str]) -> dict[str, st
 def _setting_text(key: str, value: str) -> str:
     """A setting as it stands in a name.
 
-    A switch by its name, anything else with its value, e.g. `tol=1e-8`.
+    A switch is shown by its name (`presolve`, `presolve off`), anything else with its value
+    (`tol=1e-8`).
     """
     switch = {"true": key, "false": f"{key} off"}
     return switch.get(value.lower(), f"{key}={_ZEROS.sub('', value.lower())}")
 
 
+# What an exponent can do without: `1e-08` becomes `1e-8`, `1e+03` becomes `1e3`.
 _ZEROS = re.compile(r"(?<=\de[+-])0+(?=\d)|(?<=\de)\+0*(?=\d)")
 
 
 def _places(values: pd.Series[str], order: Sequence[str]) -> pd.Series[int]:
     """The place of each value in an order.
 
-    Unknown values come last.
+    Unknown values get the place after the last.
     """
     places = {value: place for place, value in enumerate(order)}
     return values.map(places).fillna(len(order)).astype(int)
@@ -218,12 +241,13 @@ T = TypeVar("T")
 
 @dataclass(frozen=True, eq=False)
 class Compared:
-    """Attempts by which solvers are compared.
+    """The attempts by which solvers are compared.
 
-    Cold attempts of engines that could be called, and the time limit of an attempt. `rows` has most
-    columns of the schema, and question and scenario (whole numbers) and right (the check accepts
-    the answer, and an engine gave it). `methods` is the frame of `methods_of`; `strata` are in the
-    order of the experiment's file.
+    They are the cold attempts of engines that could be called. `rows` has most columns of the
+    schema, and those that `compared` adds: question and scenario (whole numbers), right (the check
+    accepts the answer, and an engine gave it), presolved, and the method's formulation, engine and
+    guess. `methods` is the frame of `methods_of`. `limit_s` is the time limit of an attempt.
+    `strata` are in the order of the experiment's file.
     """
 
     rows: pd.DataFrame
@@ -252,25 +276,26 @@ class Compared:
     ) -> pd.DataFrame:
         """`intervals.bootstrap` over the scenarios of a table.
 
-        The table has questions by solvers. Indexed by solver; columns `name`, `name`_low and
-        `name`_high.
+        The table has questions by solvers. The result is indexed by solver; its columns are `name`,
+        `name`_low and `name`_high. For `base` and `of` see `intervals.bootstrap`.
         """
         frame = bootstrap(self.by_scenario(table), statistic, base, of=of)
         return frame.set_axis([name, f"{name}_low", f"{name}_high"], axis=1)
 
     def by_scenario(self, table: pd.DataFrame) -> pd.DataFrame:
-        """The table with scenarios in its index.
+        """The table with each question replaced by its scenario.
 
-        Instead of their questions.
+        Only the index changes: questions of one scenario then have the same label.
         """
         questions = self.rows.drop_duplicates("question").set_index("question")
         return table.set_axis(questions["scenario"].reindex(table.index).to_numpy(), axis=0)
 
 
 def once(compute: Callable[[Rows], T]) -> Callable[[Rows], T]:
-    """The function, computed once for the same rows.
+    """Wrap a function to compute equal rows once.
 
-    Nobody may change its result.
+    The result is kept as long as the rows object exists. Callers share the result, so nobody may
+    change it.
     """
     computed: WeakKeyDictionary[Rows, T] = WeakKeyDictionary()
 
@@ -290,9 +315,10 @@ _UNREAD = [column.name for column in ROW if column.detail and column.name not in
 
 @once
 def compared(results: Results) -> Compared | None:
-    """Attempts by which solvers are compared, or None.
+    """The attempts by which solvers are compared, or None.
 
-    Left out: attempts from another solver's path, and those of engines that are not installed.
+    Left out are attempts that began from another solver's path, and those of engines that are not
+    installed. None comes back if no attempt is left.
     """
     rows = results.rows.drop(columns=_UNREAD)
     cold = rows[(rows["initial_guess"] == "cold") & rows["outcome"].ne("unavailable")]
@@ -312,10 +338,11 @@ def compared(results: Results) -> Compared | None:
 
 
 def stratum_order(results: Results, labels: Iterable[str]) -> list[str]:
-    """Distinct labels of scenarios, in file order.
+    """The distinct labels in the order of the files.
 
-    The experiments' files name them in this order.
+    A label that no file names comes last.
     """
+    # A file names a stratum as a quoted string, which JSON and TOML write alike.
     text = "\n".join(folder.manifest.experiment.text for folder in results.folders)
     places = {name: text.find(json.dumps(name)) for name in sorted(set(labels))}
     return sorted(places, key=lambda name: (places[name] < 0, places[name]))

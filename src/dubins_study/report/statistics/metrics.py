@@ -1,8 +1,7 @@
-"""Pure functions that compute numbers.
+"""Numbers of attempts that several topics use.
 
-They read rows, or attempts as they are counted. Shares are of the questions that a method takes. A
-failed attempt stays in every denominator, and in a quantile of gaps an attempt without a gap counts
-as infinite.
+Shares are of the questions that a method takes. A failed attempt stays in every denominator. In a
+quantile of gaps, an attempt without a gap counts as infinite.
 """
 
 from __future__ import annotations
@@ -23,7 +22,11 @@ _NUMBER = re.compile(r"(\d+(?:\.\d+)?(?:[eE][+-]?\d+)?)")
 
 
 def parse_spec(spec: str) -> tuple[str, dict[str, str]]:
-    """Name and settings of a solver's spec, e.g. `turn-rate-qp[n=50,engine=piqp]`."""
+    """Name and settings of a solver's spec.
+
+    `turn-rate-qp[n=50,engine=piqp]` gives `turn-rate-qp` and `{"n": "50", "engine": "piqp"}`. A
+    spec that cannot be parsed is a name without settings.
+    """
     try:
         return specs.parse_spec(spec)
     except specs.SolverError:  # of a folder made by another program
@@ -31,11 +34,11 @@ def parse_spec(spec: str) -> tuple[str, dict[str, str]]:
 
 
 def natural(text: str) -> tuple[tuple[bool, float, str], ...]:
-    """A key that sorts texts by their numbers.
+    """A sort key that orders texts by their numbers.
 
-    `n=20` before `n=160`, 1e-8 before 1e-3.
+    `n=20` comes before `n=160`, and 1e-8 before 1e-3.
     """
-    parts = _NUMBER.split(text)
+    parts = _NUMBER.split(text)  # alternates: text, number, text, ..., text
     texts = ((False, 0.0, part) for part in parts[::2])
     numbers = ((True, float(part), part) for part in parts[1::2])
     alternating = chain.from_iterable(zip_longest(texts, numbers))
@@ -43,9 +46,10 @@ def natural(text: str) -> tuple[tuple[bool, float, str], ...]:
 
 
 def solver_order(solvers: Sequence[str]) -> list[str]:
-    """Distinct solvers in the order of tables.
+    """The distinct solvers in the order of tables.
 
-    The order: plug-ins', the closed form, then by name, variants after the plain one.
+    Plug-ins' solvers come first, then the closed form, then all others by name. Of equal names, the
+    solver with fewer settings comes first.
     """
 
     def rank(spec: str) -> tuple[object, ...]:
@@ -56,26 +60,24 @@ def solver_order(solvers: Sequence[str]) -> list[str]:
 
 
 def success(rows: pd.DataFrame) -> pd.Series[bool]:
-    """Whether each attempt's answer is right.
+    """A mask of the attempts whose answer is right.
 
-    The check accepted it, and an engine gave it in time.
+    The check accepted the answer, and an engine gave it within the limit.
     """
     return rows["verdict"].isin(SUCCESSES) & ~presolved(rows) & ~is_true(rows["late"])
 
 
 def proof(rows: pd.DataFrame) -> pd.Series:
-    """The kind of proof of each attempt.
-
-    `none` if there is none.
-    """
+    """The kind of each attempt's proof, or `none`."""
     proofs = rows["proof"].astype(object)
     return proofs.where(proofs.isin(PROOFS), "none")
 
 
 def gaps(rows: pd.DataFrame) -> pd.Series:
-    """Gaps of the attempts at answerable questions.
+    """The gaps of attempts at answerable questions.
 
-    Infinite if no path arrived. Columns: gap, answerable.
+    A gap is infinite if no path arrived, and at least 0. `rows` needs the columns gap and
+    answerable.
     """
     answerable: pd.Series = rows.loc[rows["answerable"], "gap"]
     return answerable.fillna(np.inf).clip(lower=0)
@@ -97,10 +99,10 @@ def upper_quantile(values: ArrayLike, q: float) -> float:
 
 
 def circle_radius(x: float, y: float, heading: float, target_x: float, target_y: float) -> float:
-    """The radius whose turning circle passes the target.
+    """The turning radius whose circle passes through the target.
 
-    r^2 / (2 |Y|). Y is the target's distance to the left of the start heading, not normalised.
-    Infinite for a target straight ahead or behind.
+    It is r^2 / (2 |Y|), where r is the target's distance and Y its offset from the line of the
+    start heading. It is infinite for a target straight ahead or behind.
     """
     dx = target_x - x
     dy = target_y - y
@@ -113,8 +115,8 @@ def circle_radius(x: float, y: float, heading: float, target_x: float, target_y:
 def fitted_order(n: ArrayLike, gap: ArrayLike, floor: float = 1e-13) -> float:
     """The fitted order p of gap ~ n^-p.
 
-    The fit is by least squares on logarithms; NaN if there are not two n. Both have shape (m,), n
-    counts steps. Gaps up to `floor` are left out: rounding dominates them.
+    The fit is by least squares on logarithms; NaN if fewer than two different n remain. Both arrays
+    have shape (m,); n counts steps. Gaps up to `floor` are left out, since rounding dominates them.
     """
     steps = np.asarray(n, dtype=np.float64)
     gaps = np.asarray(gap, dtype=np.float64)

@@ -1,6 +1,6 @@
-"""The solvers, the runs, and the limits.
+"""The last sections: solvers, runs, and limits.
 
-The data dictionary has the meaning of every column of the rows.
+The section of limits has the data dictionary, with the meaning of every column of the rows.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ _SOLVERS = (
 
 
 def solvers_section(results: Results) -> Section | None:
-    """Every solver's short name, spec and settings."""
+    """The section with solvers' names, specs and settings."""
     names = names_of(results)
     if names.empty:
         return None
@@ -62,6 +62,7 @@ def solvers_section(results: Results) -> Section | None:
 
 
 def _listed(settings: Mapping[str, Any]) -> str:
+    """Settings as text: `n 50, presolve yes`."""
     texts = {"True": "yes", "False": "no"}
     return ", ".join(f"{key} {texts.get(str(value), value)}" for key, value in settings.items())
 
@@ -69,8 +70,8 @@ def _listed(settings: Mapping[str, Any]) -> str:
 def runs(folders: Iterable[Folder]) -> pd.DataFrame:
     """One row per run, in the folders' order.
 
-    The load is that of the last minute, at the run's start and its end; spread is a share. Unknown
-    seconds or spread are NaN.
+    `load` is a text: the average load of the last minute, at the run's start and at its end.
+    `spread` is a share. Unknown seconds and an unknown spread are NaN.
     """
     lines: list[dict[str, Any]] = []
     for folder in folders:
@@ -105,6 +106,7 @@ def _number(value: float | None) -> float:
 
 
 def _machine(machine: Mapping[str, Any]) -> str:
+    """A machine as text: processor, system, memory, cores."""
     texts = [str(machine[key]) for key in ("processor", "system", "memory") if key in machine]
     if "cores" in machine:
         texts.append(f"{machine.get('usable_cores', machine['cores'])} of {machine['cores']} cores")
@@ -112,14 +114,17 @@ def _machine(machine: Mapping[str, Any]) -> str:
 
 
 def _load(averages: Sequence[float] | None) -> str:
-    """The average over the last minute."""
+    """The average load over the last minute as text.
+
+    A question mark stands for an unknown load.
+    """
     if not averages:
         return "?"
     return f"{averages[0]:.2f}"
 
 
 def runs_section(results: Results) -> Section | None:
-    """The table of runs."""
+    """The section with the table of runs."""
     frame = runs(results.folders)
     if frame.empty:
         return None
@@ -181,7 +186,7 @@ _LIMITS = (
 
 
 def limits_section(_: Results | None) -> Section:
-    """The limits of the numbers, and the data dictionary."""
+    """The section on limits, with the data dictionary."""
     lead = "On the left: what the numbers of this page measure. On the right: what they do not say."
     text = (
         "Below is the data dictionary: every column of the rows in a results folder's Parquet "

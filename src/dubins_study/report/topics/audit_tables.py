@@ -1,6 +1,7 @@
-"""Audits of printed numbers.
+"""Audits of printed numbers: two sections.
 
-The paper's cells, paths, algorithm and statements; published lengths of routes.
+The first is on the paper's cells, paths, algorithm and statements. The second is on published
+lengths of routes.
 """
 
 from __future__ import annotations
@@ -58,9 +59,9 @@ _STATEMENTS = (
 
 
 def audit_section(results: Results) -> Section | None:
-    """The findings of the committed audit.
+    """The section with the findings of the committed audit.
 
-    Shown only with the paper's own experiment.
+    None without rows: only a page with the paper's own experiment has it.
     """
     if results.rows.empty:
         return None
@@ -139,9 +140,10 @@ _PRINTED = (
 
 
 def routes_table(frame: pd.DataFrame) -> Table:
-    """Table of published lengths of routes beside ours.
+    """The table of published lengths of routes beside ours.
 
-    The frame is that of `audit_routes` or `printed_routes`.
+    The frame is that of `audit_routes` or `printed_routes`. A length that is not the shortest is
+    marked.
     """
     caption = (
         "Lengths as printed. Ours: the best path of any solver, driven by the check. At least "
@@ -152,10 +154,10 @@ def routes_table(frame: pd.DataFrame) -> Table:
 
 
 def printed_routes(rows: pd.DataFrame) -> pd.DataFrame:
-    """Published lengths of routes beside the shortest paths.
+    """Published lengths of routes beside the shortest paths found.
 
-    The shortest paths are those that some solver returned. One row for each length whose route has
-    a path, with the columns `_PRINTED`.
+    For each route, the shortest path that any solver returned is taken. A row is a published length
+    whose route has such a path. The columns are those of `_PRINTED`.
     """
     arrived = rows[rows["gap"].notna()].sort_values("length", kind="stable")
     names = {"reference_low": "low", "reference_high": "high"}
@@ -170,7 +172,10 @@ def printed_routes(rows: pd.DataFrame) -> pd.DataFrame:
 
 
 def printed_section(results: Results) -> Section | None:
-    """Published lengths beside the proven ones."""
+    """The section with published lengths beside ours.
+
+    Ours are those of `printed_routes`.
+    """
     frame = printed_routes(with_legs(results.rows))
     if frame.empty:
         return None

@@ -60,10 +60,10 @@ _MOST_LETTERS = 20  # of a solver's name above its map
 
 
 def minimum(scenario: Scenario, length: float) -> tuple[str, int] | None:
-    """The local minimum with this length, or None.
+    """The joint model's local minimum with this length.
 
-    A minimum of the joint model: its word and its full turns. Lengths count as equal within the
-    check's gap tolerance times the shortest length.
+    Returned are its word and its number of needless full turns, or None if no minimum has this
+    length. Lengths count as equal within the check's gap tolerance times the shortest length.
     """
     best = shortest(scenario)
     if best is None:
@@ -81,11 +81,11 @@ def minimum(scenario: Scenario, length: float) -> tuple[str, int] | None:
 
 
 def end_of(row: Mapping[Hashable, Any]) -> tuple[str, float]:
-    """One attempt's end, and its needless full turns.
+    """Where one attempt ended, and its needless full turns.
 
-    The number is NaN if the end is not a minimum. A shortest path that arrives counts as the
-    optimum, with any claim. Columns: the scenario, reference_word, claim, verdict, false_claim,
-    length.
+    The first value is the key of one of `MARKS`. The second is NaN if the end is not a minimum. A
+    shortest path that arrives counts as the optimum, whatever the claim. Columns of the row: the
+    scenario, reference_word, claim, verdict, false_claim, length.
     """
     if row["verdict"] == "optimal":
         return OPTIMUM, 0
@@ -105,10 +105,11 @@ def end_of(row: Mapping[Hashable, Any]) -> tuple[str, float]:
 
 
 def ends(rows: pd.DataFrame) -> pd.DataFrame:
-    """Attempts from given guesses, with their ends.
+    """The attempts from given guesses, with their ends.
 
-    Adds the columns z1, z2, z3 (lengths of the guess in radii; for the turns z1 and z2 this is
-    rad), end, turns (needless full turns; NaN if the end is not a minimum).
+    Attempts that began cold or warm are left out. Added are the columns z1, z2, z3 (lengths of the
+    guess in radii; for the turns z1 and z2 this is rad), end (the key of one of `MARKS`) and turns
+    (needless full turns; NaN if the end is not a minimum).
     """
     guessed = rows[~rows["initial_guess"].isin(["cold", "warm"])]
     points = guessed["initial_guess"].str.split(expand=True).reindex(columns=range(3))
@@ -119,17 +120,18 @@ def ends(rows: pd.DataFrame) -> pd.DataFrame:
 
 
 def is_capped(solver: str) -> bool:
-    """Whether a spec bounds each turn.
+    """Whether a solver bounds each turn.
 
-    The bound is a full turn; it is the default.
+    The setting `capped` of its spec says so; the default is true. The bound is a full turn.
     """
     return parse_spec(solver)[1].get("capped", "True").lower() == "true"
 
 
 def outcomes_of(table: pd.DataFrame) -> dict[str, float]:
-    """Shares of optima and needless turns; refuted claims.
+    """Shares and counts over all attempts of a table.
 
-    The refuted claims are a number, not a share.
+    Keys: optimal (share of attempts that end at the optimum), turned (share with needless full
+    turns), and refuted (the number of claims that the check refutes).
     """
     return {
         "optimal": (table["end"] == OPTIMUM).mean(),
@@ -139,21 +141,22 @@ def outcomes_of(table: pd.DataFrame) -> dict[str, float]:
 
 
 def capping(table: pd.DataFrame) -> dict[bool, dict[str, float]]:
-    """The outcomes without (False) and with capped turns.
+    """The outcomes without (key False) and with bounded turns.
 
-    Only solvers that ran with both count. Empty if there is no such solver.
+    Only solvers that ran with both count. The result is empty if there is no such solver.
     """
     capped = table["solver"].map(is_capped)
     names = table["solver"].map(lambda spec: parse_spec(spec)[0])
+    # solvers of one name that have attempts with the bound and without it
     with_both = table[capped.groupby(names).transform("nunique") == 2]
     return {bounded: outcomes_of(rows) for bounded, rows in with_both.groupby(capped)}
 
 
 def basins_section(results: Results) -> Section | None:
-    """Maps per scenario and solver, and sentences.
+    """The section on where initial guesses lead.
 
-    If solvers with unbounded turns were run, maps and sentences show only these, since that is the
-    paper's model.
+    It has a map for each scenario and solver. If solvers with unbounded turns were run, maps and
+    most sentences show only these, since that is the paper's model.
     """
     table = ends(results.rows[results.rows["branch"] == "best"])
     if table.empty:
@@ -182,7 +185,7 @@ def basins_section(results: Results) -> Section | None:
 def _names(results: Results, solvers: list[str]) -> dict[str, str]:
     """Map each solver to its name in the figures.
 
-    The engine's name is enough if only the bound on turns differs besides.
+    The engine's name is enough unless two solvers have one engine and the same bound on turns.
     """
     methods = names_of(results).loc[solvers]
     with_bound = methods.assign(capped=[is_capped(solver) for solver in solvers])
@@ -192,7 +195,7 @@ def _names(results: Results, solvers: list[str]) -> dict[str, str]:
 
 
 def _outcomes(table: pd.DataFrame) -> str:
-    """Shares of optima, and the refuted statements.
+    """Sentences on the optima found and the claims refuted.
 
     The numbers are over all solvers.
     """
@@ -212,9 +215,10 @@ def _outcomes(table: pd.DataFrame) -> str:
 
 
 def _cap(change: Mapping[bool, dict[str, float]]) -> str:
-    """The effect of a bound on turns.
+    """A sentence on what a bound on turns changes.
 
-    Empty if no solver ran with it and without it.
+    `change` is the result of `capping`. The text is empty if no solver ran with the bound and
+    without it.
     """
     if not change:
         return ""
@@ -229,14 +233,16 @@ def _cap(change: Mapping[bool, dict[str, float]]) -> str:
 
 
 def _pictures(table: pd.DataFrame, names: Mapping[str, str]) -> list[Picture]:
-    """Each scenario's maps, one per solver.
+    """The maps of each scenario, one map per solver.
 
-    At most `_ACROSS` maps stand side by side.
+    A picture has at most `_ACROSS` maps side by side; further maps of the scenario follow in
+    another picture.
     """
     order = solver_order(table["solver"].tolist())
     place = table["solver"].map(order.index)
     placed = table.assign(x=table["z1"], y=table["z2"], kind=table["end"], place=place)
     pictures = []
+    # one picture for each scenario and each `_ACROSS` solvers
     figures = placed.groupby(["label", place // _ACROSS])
     for number, ((scenario, _), rows) in enumerate(figures, start=1):
         label = str(scenario)
@@ -264,7 +270,7 @@ def _pictures(table: pd.DataFrame, names: Mapping[str, str]) -> list[Picture]:
 def _dress(ax: Axes, _: pd.DataFrame) -> None:
     """Label the axes in quarters of a turn.
 
-    The axes are the two turns of a guess.
+    The axes are the two turns of an initial guess.
     """
     ticks = np.arange(5) * np.pi / 2
     ax.set_xticks(ticks, _QUARTER_TURNS)

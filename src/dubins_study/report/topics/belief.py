@@ -66,10 +66,11 @@ PROOFS = tuple(_SHORT)
 def claims(compared: Compared) -> pd.DataFrame:
     """Engines' attempts with the worth of each claim.
 
-    Attempts that the presolve answered are left out. `truth` is one of `TRUTHS`; a local optimum of
-    another word is no false claim of a local solver. `proof` is the kind of a false claim, one of
-    `PROOFS`; missing if the claim is true. `excess` is by how much its bound is too high, relative
-    to the shortest length, or to a larger radius.
+    Attempts that the presolve answered are left out. Three columns are added. `truth` is one of
+    `TRUTHS`; a local optimum of another word is no false claim of a local solver. `proof` is the
+    kind of a false claim, or of one that is false only within the tolerance: one of `PROOFS`. It is
+    missing for all other claims. `excess` is by how much a bound is too high, relative to the
+    shortest length or, if that is larger, to the radius.
     """
     rows = compared.rows[~compared.rows["presolved"]]
     claim = rows["claim"].fillna("none")
@@ -80,14 +81,16 @@ def claims(compared: Compared) -> pd.DataFrame:
     excess = above.where(high)
     false = false_claims(rows)
     misses = is_true(rows["false_claim"]) & ~false  # by its tolerance
+    # A bound whose tolerance is not known is false too: the comparison with NaN does not hold.
     false |= high & ~(excess <= TOLERANCES * rows["tolerance"])
     silent = claim.isin(_SILENT)
     less = silent & verdict.isin(["optimal", "longer"])
     less |= (claim == "feasible") & (verdict == "optimal")
     denial = rows["answerable"] & (claim == Claim.LOCALLY_INFEASIBLE)
+    # The first condition that holds decides; TRUE if none does.
     worths = [false, high | misses, denial, less, silent]
     truth = np.select(worths, [FALSE, TOLERATED, DENIAL, LESS, NOTHING], TRUE)
-    kinds = [
+    kinds = [  # in the order of PROOFS; its last one if none holds
         high & false,
         high,
         (claim == "optimal") & (verdict == "longer"),
@@ -99,10 +102,10 @@ def claims(compared: Compared) -> pd.DataFrame:
 
 
 def beliefs(rows: pd.DataFrame) -> pd.DataFrame:
-    """Shares of `TRUTHS` among a solver's `claims`.
+    """The shares of `TRUTHS` among each solver's claims.
 
-    One row per solver, with its number of questions. A share is the mean over questions of the
-    share of its repeats.
+    `rows` are those of `claims`. The result has one row per solver, with its number of questions. A
+    share is the mean over questions of the share of a question's repeats.
     """
     worths = pd.get_dummies(rows["truth"]).reindex(columns=list(TRUTHS), fill_value=False)
     by_question = worths.groupby([rows["solver"], rows["question"]]).mean()
@@ -113,9 +116,9 @@ def beliefs(rows: pd.DataFrame) -> pd.DataFrame:
 def false_proofs(rows: pd.DataFrame) -> pd.DataFrame:
     """False claims by solver and kind, with examples.
 
-    Each kind has its plainest example. In the order of `PROOFS`: solver, proof, attempts,
-    questions, most (the largest excess of a bound); of the example its scenario, lengths, tolerance
-    and command.
+    `rows` are those of `claims`. Rows are in the order of `PROOFS`. Columns: solver, proof,
+    attempts, questions, most (the largest excess of a bound). Of the plainest example there are the
+    scenario, lengths, tolerance and the command that asks it again.
     """
     false = rows[rows["proof"].notna()]
     order = plainest(false, ["solver", "proof"])
@@ -136,7 +139,7 @@ _MOST_EXAMPLES = 40
 
 
 def belief_section(results: Results) -> Section | None:
-    """What claims are worth, and which proofs are false."""
+    """The section on what claims are worth."""
     attempts = compared(results)
     if attempts is None:
         return None
@@ -149,7 +152,7 @@ def belief_section(results: Results) -> Section | None:
     table["attempts"] = table["attempts"].fillna(0)
     sizes = rows.groupby("experiment")["question"].nunique()
     suites = rows.drop_duplicates(["solver", "experiment"])
-    # by the suites that ask it
+    # questions of all suites that ask the method: so many it could have met
     table["askable"] = suites["experiment"].map(sizes).groupby(suites["solver"]).sum()
     false = false_proofs(rows)
     blocks: list[Picture | Table] = [_picture(table)]
@@ -169,9 +172,10 @@ def belief_section(results: Results) -> Section | None:
 
 
 def _liars(rows: pd.DataFrame, table: pd.DataFrame) -> str:
-    """Numbers of false claims and of denials.
+    """Sentences that count false claims and denials.
 
-    False claims by kind; also how many claims of an optimum are false.
+    `rows` are those of `claims`; `table` has a row per method. False claims are counted by kind. It
+    also says how many claims of an optimum are false.
     """
     attempts_made = int((rows["outcome"] != Outcome.NOT_ASKED).sum())
     false = rows.loc[rows["truth"] == FALSE, "proof"]
@@ -201,6 +205,10 @@ def _liars(rows: pd.DataFrame, table: pd.DataFrame) -> str:
 
 
 def _picture(table: pd.DataFrame) -> Picture:
+    """The bars of claims, at most `_MOST_BARS` per formulation.
+
+    The methods with the most false claims are drawn, and all of plug-ins.
+    """
     plugins = own(table.index)  # shown besides the chosen methods
     engines = table[~table.index.isin([EXACT, *plugins])].sort_values(
         [FALSE, DENIAL], ascending=False
@@ -228,9 +236,9 @@ def _picture(table: pd.DataFrame) -> Picture:
 
 
 def _bars(shown: pd.DataFrame, *, narrow: bool) -> Figure:
-    """Bars of the methods' claims.
+    """Draw the bars of methods' claims.
 
-    A `narrow` figure has only methods with false claims, and plug-ins'.
+    A `narrow` figure shows only methods with false claims, and plug-ins', if there are any.
     """
     false = (shown["attempts"] > 0) | shown.index.isin(own(shown.index))
     bars = shown[false] if narrow and false.any() else shown
@@ -238,6 +246,7 @@ def _bars(shown: pd.DataFrame, *, narrow: bool) -> Figure:
 
 
 def _proof_table(false: pd.DataFrame, names: pd.DataFrame) -> Table:
+    """The table of false claims, with examples."""
     frame = names.reindex(false["solver"]).reset_index(drop=True)
     frame = frame.join(false.reset_index(drop=True)).head(_MOST_EXAMPLES)
     frame["kind_of_proof"] = frame["proof"].map(_SHORT)
@@ -259,9 +268,10 @@ def _proof_table(false: pd.DataFrame, names: pd.DataFrame) -> Table:
 
 
 def proof_section(results: Results) -> Section | None:
-    """The section on engines that prove.
+    """The section on engines that claim proofs.
 
-    They are asked with models and settings that are known to fail.
+    The engines are asked with models and settings that are known to fail. It is `belief_section`
+    with other names.
     """
     section = belief_section(results)
     if section is None:

@@ -54,12 +54,12 @@ def last_barrier(tol: float) -> float:
 
 
 def left_over(results: Results) -> pd.DataFrame:
-    """Attempts with a path, and its right turn.
+    """Attempts that returned a path, with its right turn.
 
-    The study's own attempts. Adds the columns z2 (length of the right turn, length unit; 0 if it is
-    only rounding), mu (barrier at which the solver stops; NaN if it has no barrier), barrier_set
-    (whether a setting gives that barrier), predicted ((mu R^2)^(1/3)), ratio (z2 / predicted),
-    excess_ratio ((length - reference) / (mu / 3)).
+    Added are the columns z2 (length of the right turn, length unit; 0 if it is only rounding), mu
+    (barrier at which the solver stops; NaN if it has no barrier), barrier_set (whether a setting
+    gives that barrier), predicted ((mu R^2)^(1/3)), ratio (z2 / predicted), excess_ratio ((length -
+    reference) / (mu / 3)).
     """
     rows = results.rows[results.rows["length"].notna()]
     settings = results.settings
@@ -80,10 +80,7 @@ def left_over(results: Results) -> pd.DataFrame:
 
 
 def _right_turn(path: Path | None) -> float:
-    """The length of a path's right turns.
-
-    NaN without a path.
-    """
+    """The total length of right turns, or NaN."""
     if path is None:
         return math.nan
     return float(path.lengths[path.curvatures < 0].sum())
@@ -94,9 +91,9 @@ _TOLERANCES = {"equal": 1e-9, "default": 1e-8, "tuned": 1e-8}
 
 
 def barrier(spec: str, settings: Mapping[str, Mapping[str, Any]]) -> float:
-    """The barrier at which a spec stops.
+    """The barrier at which a solver stops, or NaN.
 
-    The model is the unsplit one; NaN for any other solver.
+    Only Ipopt on the unsplit model has one here. `settings` maps each spec to all its settings.
     """
     group = settings.get(spec, {})
     if parse_spec(spec)[0] != "ipopt" or group.get("model") != "joint":
@@ -106,11 +103,11 @@ def barrier(spec: str, settings: Mapping[str, Mapping[str, Any]]) -> float:
 
 
 def slope(table: pd.DataFrame) -> float:
-    """Fitted slope of log z2 against log predicted.
+    """The fitted slope of log z2 against log predicted.
 
-    The fit is by least squares; NaN if there are not two places.
+    The fit is by least squares; NaN if there are fewer than two different predictions.
     """
-    return -fitted_order(table["predicted"], table["z2"], floor=0.0)
+    return -fitted_order(table["predicted"], table["z2"], floor=0.0)  # an order is minus a slope
 
 
 def plot_bias(ax: Axes, table: pd.DataFrame) -> None:
@@ -132,7 +129,10 @@ def plot_bias(ax: Axes, table: pd.DataFrame) -> None:
 
 
 def bias_section(results: Results) -> Section | None:
-    """The remaining turn against its prediction."""
+    """The section on the remaining turn.
+
+    A figure compares it with its prediction.
+    """
     table = left_over(results)
     table = table[(table["branch"] == "best") & table["z2"].notna()]
     with_barrier = table[table["mu"].notna()]
@@ -164,9 +164,9 @@ def bias_section(results: Results) -> Section | None:
 
 
 def _prediction(with_barrier: pd.DataFrame) -> str:
-    """Deviation of z2 from its prediction.
+    """Sentences on how well z2 follows its prediction.
 
-    The largest deviation, and the slope.
+    They state the largest deviation, and the slope in logarithms.
     """
     deviation = float((with_barrier["ratio"] - 1).abs().max())
     deviation_text = digits(2)(deviation)
@@ -188,9 +188,9 @@ def _prediction(with_barrier: pd.DataFrame) -> str:
 
 
 def _without_barrier(others: pd.DataFrame, results: Results) -> str:
-    """Turns that methods without a barrier leave.
+    """Sentences on the turns that other methods leave.
 
-    Empty if there are none.
+    `others` are attempts of methods without a barrier. The text is empty if there are none.
     """
     if others.empty:
         return ""

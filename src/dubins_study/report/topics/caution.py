@@ -1,6 +1,6 @@
 """The section on what not to conclude.
 
-Each conclusion that the rows do not support, with a number.
+Each line is a conclusion that the rows do not support, with a number from the rows.
 """
 
 from __future__ import annotations
@@ -26,7 +26,8 @@ _STOPPED_OUTCOMES = ("timeout", "out_of_memory")
 class Caution(NamedTuple):
     """A conclusion that the rows do not support.
 
-    `of` is the number of questions or attempts; `shown_in` names the section that shows it.
+    `of` says of how many questions or attempts the number is; `shown_in` names the section that
+    shows it.
     """
 
     sentence: str
@@ -35,7 +36,10 @@ class Caution(NamedTuple):
 
 
 def overlapping_shares(attempts: Compared) -> Caution | None:
-    """The precision of shares at this many questions."""
+    """Caution: do not rank methods by shares alone.
+
+    The sentence says how precise a share is with this many questions.
+    """
     by_experiment = attempts.answerable.groupby("experiment")["question"].nunique()
     if by_experiment.empty:
         return None
@@ -53,9 +57,10 @@ def overlapping_shares(attempts: Compared) -> Caution | None:
 
 
 def unsteady_machine(results: Results) -> Caution | None:
-    """How much the speed of the machines varied.
+    """Caution: do not rank by small differences in time.
 
-    While the runs went on.
+    The sentence says how much the speed of the machines varied during a run. None if no run
+    measured it.
     """
     spreads: list[float] = []
     for folder in results.folders:
@@ -71,9 +76,9 @@ def unsteady_machine(results: Results) -> Caution | None:
 
 
 def stopped_attempts(attempts: Compared) -> Caution | None:
-    """Attempts that ended at a limit.
+    """Caution: a stopped attempt says nothing of the question.
 
-    Nobody knows what they would have found.
+    None if no attempt ended at a limit.
     """
     rows = attempts.answerable
     rows = rows[(rows["solver"] != EXACT) & (rows["outcome"] != Outcome.NOT_ASKED)]
@@ -90,7 +95,10 @@ def stopped_attempts(attempts: Compared) -> Caution | None:
 
 
 def missing_pairs(results: Results, attempts: Compared) -> Caution | None:
-    """Pairs of formulation and engine without rows."""
+    """Caution: nothing is known of pairs without rows.
+
+    A pair is a formulation and an engine. None if all pairs have rows.
+    """
     # the closed form is a formulation without an engine, and no pair
     entries: set[tuple[str, str]] = set()
     for folder in results.folders:
@@ -110,10 +118,7 @@ def missing_pairs(results: Results, attempts: Compared) -> Caution | None:
 
 
 def caution_section(results: Results) -> Section | None:
-    """Conclusions that the rows do not support.
-
-    None without attempts to compare.
-    """
+    """The section of cautions; None without attempts to compare."""
     attempts = compared(results)
     if attempts is None:
         return None

@@ -25,12 +25,12 @@ COLUMNS = (
 
 
 def proofs(attempts: pd.DataFrame) -> pd.DataFrame:
-    """One row per solver with its proofs.
+    """Counts of proofs, one row per solver.
 
     A value that none of its rows has is missing. Columns: solver, attempts, certified (attempts),
-    one count per proof; pmp_residual (largest among the right answers); multipliers (answers whose
-    multipliers can be compared), costate_median and costate_error (median and largest error of
-    those); bounds (attempts with a lower bound), false_bounds.
+    and a count for each of `PROOFS`; pmp_residual (largest among the right answers); multipliers
+    (answers whose multipliers can be compared), costate_median and costate_error (median and
+    largest error of those); bounds (attempts with a lower bound), false_bounds.
     """
     kinds = proof(attempts)
     right = attempts["verdict"].isin(SUCCESSES)
@@ -57,7 +57,7 @@ def proofs(attempts: pd.DataFrame) -> pd.DataFrame:
 
 
 def certificates_section(results: Results) -> Section | None:
-    """Counts of proofs, and the worst residuals."""
+    """The section with counts of proofs and worst residuals."""
     frame = in_page_order(proofs(results.attempts), results)
     if not frame["certified"].sum():
         return None
@@ -85,6 +85,7 @@ def certificates_section(results: Results) -> Section | None:
 
 
 def _proved(frame: pd.DataFrame) -> str:
+    """A sentence on how many attempts are proved."""
     attempts = int(frame["attempts"].sum())
     proved = int(frame["proved"].sum())
     others = ", ".join(f"{count(frame[name].sum())} {name}" for name in PROOFS[1:])

@@ -50,9 +50,9 @@ from dubins_study.report.statistics.methods import (
 
 @once
 def times(compared: Compared) -> pd.DataFrame:
-    """The cost table of times (s).
+    """The cost table of whole attempts' times (s).
 
-    The times are of whole attempts on this machine; see `_costs`.
+    Only times of this machine count. See `_costs` for what is left out.
     """
     rows = compared.answerable
     return _costs(compared, rows[~rows["elsewhere"]], "wall_s")
@@ -67,9 +67,9 @@ def evaluations(compared: Compared) -> pd.DataFrame:
 def _costs(compared: Compared, rows: pd.DataFrame, cost: str) -> pd.DataFrame:
     """The cost table of the engines.
 
-    The questions have a path; the closed form is left out. Methods that met fewer than nine tenths
-    of the questions, or whose right answers have no cost, are left out. Columns in the order of
-    tables.
+    Only questions that have a path count. Three kinds of methods are left out: the closed form,
+    methods that met fewer than `ENOUGH_ASKED` of the questions, and methods whose right answers
+    have no cost. Columns are in the order of tables.
     """
     rows = rows[rows["solver"] != EXACT]
     if rows.empty:
@@ -92,11 +92,11 @@ class Ranks(NamedTuple):
 
 @once
 def mean_ranks(compared: Compared) -> Ranks:
-    """Ranks of the methods, by means of `times`.
+    """The methods by their mean times, with ranks.
 
-    A row per method in the order of the ranks: its columns; questions, right (share) with its
-    interval; mean (shifted geometric mean with failures at the limit, s) with its own; and the
-    columns of `ranking`.
+    A row is a method; the least mean comes first. Columns: those of the method; questions; right
+    (share) with its interval; mean (shifted geometric mean with failures at the limit, s) with its
+    interval; and the columns of `ranking`.
     """
     shared = shared_questions(times(compared))
     shift = chosen_shift(shared)
@@ -118,8 +118,8 @@ LEVEL = 0.05
 def formulation_tests(table: pd.DataFrame, ranked: pd.DataFrame) -> pd.DataFrame:
     """Paired tests by times within each formulation.
 
-    The best method of each formulation against each of its others. In the order of `mean_ranks`.
-    The columns of `paired_tests`, and formulation.
+    In each formulation, the best method of `mean_ranks` is tested against each of the others. Rows
+    are in that order. Columns: those of `paired_tests`, and formulation.
     """
     pairs: dict[tuple[str, str], Any] = {}
     for name, group in ranked.groupby("formulation", sort=False):
@@ -129,12 +129,18 @@ def formulation_tests(table: pd.DataFrame, ranked: pd.DataFrame) -> pd.DataFrame
 
 
 def _profiles(table: pd.DataFrame, ranked: pd.DataFrame, palette: Palette) -> Picture:
+    """The performance profiles, one panel per formulation.
+
+    `table` is a cost table, and `ranked` the methods of `mean_ranks`. In each panel the
+    `MOST_NAMED` methods with the least means or most often right have names.
+    """
     profiles = {}
     named = {}
     shared = shared_questions(table)
     order = ranked["formulation"].reindex(table.columns)
     for name in order.dropna().unique():
         group = list(ranked.index[ranked["formulation"] == name])
+        # A method is as good as its better place: by its mean time, or by its share right.
         best = pd.concat([ranked["mean"][group].rank(), -ranked["right"][group]], axis=1)
         named[name] = foremost(-best.rank(method="first").min(axis=1), MOST_NAMED)
         profiles[name] = performance_profile(shared[group])
@@ -173,7 +179,10 @@ _MOST_RIVALS = 6
 
 
 def rank_table(ranked: pd.DataFrame, shift: float, limit_s: float) -> Table:
-    """Shares right, means and ranks."""
+    """The table of shares right, means and ranks.
+
+    `ranked` and `shift` are the fields of `Ranks`.
+    """
     places = [*map(_place_text, ranked["rank"], ranked["best"], ranked["worst"])]
     shown = (
         *method_columns(ranked),
@@ -195,16 +204,16 @@ def rank_table(ranked: pd.DataFrame, shift: float, limit_s: float) -> Table:
 
 
 def _place_text(rank: Any, best: Any, worst: Any) -> str:
-    """A rank, or the range of ranks."""
+    """A rank, or `none` and the range of ranks."""
     if rank is pd.NA:
         return f"none\n({best} to {worst})"
     return str(rank)
 
 
 def test_table(tests: pd.DataFrame, ranked: pd.DataFrame) -> Table:
-    """Table of paired tests.
+    """The table of paired tests.
 
-    The best method of each formulation and its nearest rivals.
+    Each formulation's best method is compared with its nearest rivals, at most `_MOST_RIVALS`.
     """
     names = ranked["short"]
     near = tests.groupby("formulation", sort=False).head(_MOST_RIVALS)
@@ -233,7 +242,7 @@ def test_table(tests: pd.DataFrame, ranked: pd.DataFrame) -> Table:
 
 
 def comparison_section(results: Results) -> Section | None:
-    """Profiles, means and ranks, and paired tests."""
+    """The section with profiles, ranks and paired tests."""
     attempts = compared(results)
     if attempts is None:
         return None

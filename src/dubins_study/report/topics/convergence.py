@@ -1,4 +1,4 @@
-"""The order of convergence of refined discretisations."""
+"""How gaps fall as discretisations are refined."""
 
 from __future__ import annotations
 
@@ -39,11 +39,11 @@ _FIGURES = {
 
 
 def refined(rows: pd.DataFrame, settings: Settings) -> pd.DataFrame:
-    """Attempts of methods that can be refined.
+    """The attempts of methods that can be refined.
 
-    Each with its measured value. Columns series (the method and all settings in its spec except the
-    size; categories in the order of tables), solver, size, place (categories), measure (`gap`, or
-    `miss` in radii for uncorrected collocation) and value (infinite if there is none).
+    Columns: series (the method and all settings in its spec except the size; categories in the
+    order of tables), solver, size, place (one of `PLACES`), measure (`gap`, or `miss` for
+    uncorrected collocation) and value (the gap, or the miss in radii; infinite if there is none).
     """
     sizes = sizes_of(rows, settings)
     group = rows[rows["solver"].isin(list(sizes)) & rows["region"].notna()]
@@ -65,9 +65,9 @@ def refined(rows: pd.DataFrame, settings: Settings) -> pd.DataFrame:
 
 
 def sizes_of(rows: pd.DataFrame, settings: Settings) -> dict[str, int]:
-    """Map each spec to its fineness.
+    """Map each solver to its size, i.e. its fineness.
 
-    Solvers of the rows without a fineness are left out.
+    The size is the value of the method's setting in `SIZES`. Solvers without one are left out.
     """
     sizes = {}
     for spec in rows["solver"].unique():
@@ -78,7 +78,10 @@ def sizes_of(rows: pd.DataFrame, settings: Settings) -> dict[str, int]:
 
 
 def series(spec: str) -> str:
-    """A spec without its size: `collocation[n=20,mesh=equal]` -> `collocation[mesh=equal]`."""
+    """A spec without its size.
+
+    `collocation[n=20,mesh=equal]` gives `collocation[mesh=equal]`.
+    """
     name, settings = parse_spec(spec)
     settings.pop(SIZES[name], None)
     others = ",".join(f"{key}={value}" for key, value in settings.items())
@@ -88,7 +91,7 @@ def series(spec: str) -> str:
 
 
 def _named(solvers: pd.Series, labels: Mapping[str, str]) -> dict[str, str]:
-    """Spec -> its name in figures, without its size."""
+    """Map each solver to its name without size."""
     without = {}
     for spec in solvers:
         size = f"{SIZES[parse_spec(spec)[0]]}="
@@ -101,10 +104,10 @@ _LINE = ["measure", "series", "place"]
 
 
 def medians(attempts: pd.DataFrame) -> pd.DataFrame:
-    """Medians by series, place and size.
+    """The median value of each series, place and size.
 
-    The attempts are those that `refined` returns. Columns measure, series, place, size, solver (a
-    spec of the series, the same at all sizes) and value (median, infinite if half have none).
+    `attempts` are those of `refined`. Columns: measure, series, place, size, solver (a spec of the
+    series, the same at all sizes) and value (median; infinite if half have no value).
     """
     first = attempts.groupby("series")["solver"].first()
     groups = attempts.groupby([*_LINE, "size"])
@@ -113,9 +116,10 @@ def medians(attempts: pd.DataFrame) -> pd.DataFrame:
 
 
 def orders(table: pd.DataFrame) -> pd.DataFrame:
-    """`medians` with the fitted order of convergence.
+    """The medians with the fitted order of convergence.
 
-    Column order: p of median ~ size^-p, over the sizes at which the median falls.
+    The column order is added: p of median ~ size^-p, fitted over the sizes at which the median
+    falls.
     """
     lines = [
         line.assign(order=_order(line, FLOOR[str(measure)]))
@@ -125,13 +129,14 @@ def orders(table: pd.DataFrame) -> pd.DataFrame:
 
 
 def _order(line: pd.DataFrame, floor: float) -> float:
+    """The fitted order of one line, or NaN."""
     # up to the smallest value: beyond it the engine's own accuracy decides
     falls = line.iloc[: int(line["value"].to_numpy().argmin()) + 1]
     return metrics.fitted_order(falls["size"], falls["value"], floor)
 
 
 def convergence_section(results: Results) -> Section | None:
-    """Value against size with the fitted order."""
+    """The section with values against sizes, and fitted orders."""
     attempts = refined(results.rows, results.settings)
     if attempts.empty:
         return None
@@ -154,7 +159,11 @@ def convergence_section(results: Results) -> Section | None:
 
 
 def _pictures(lines: pd.DataFrame, palette: Palette) -> list[Picture]:
-    """Value against size, by measure and place."""
+    """Plots of value against size.
+
+    There is one for each measure and place. The table `lines` gets a column name, and its places
+    become ordered categories.
+    """
     lines["place"] = pd.Categorical(lines["place"], PLACES)
     order = lines["order"].map(digits(3), na_action="ignore")
     lines["name"] = (lines["label"] + ": p = " + order).fillna(lines["label"])

@@ -1,6 +1,6 @@
 """Convex problems: engines of QPs and SOCPs.
 
-They are compared by family and accuracy, and with and without cvxpy.
+They are compared by family of problems and by tolerance, and with and without cvxpy.
 """
 
 from __future__ import annotations
@@ -34,11 +34,12 @@ _METHOD = ["family", "tolerance", "name"]
 
 
 def with_parts(rows: pd.DataFrame) -> pd.DataFrame:
-    """The rows of frozen problems with their parts.
+    """The rows of frozen problems, with five more columns.
 
-    Adds the columns family, interface, name, right and kept. Name: the engine, with `tuned` for
-    tuned options. Right: the check calls the answer optimal within the tolerance asked for. Kept:
-    primal residual, dual residual and gap of both objectives are each within it.
+    family: of the problem. interface: `own`, or that through which the engine is called, such as
+    cvxpy. name: the engine, with `tuned` for tuned options. right: the check calls the answer
+    optimal within the tolerance asked for. kept: primal residual, dual residual and gap of both
+    objectives are each within the tolerance.
     """
     families = rows["label"].str.extract(r"^([a-z]+)-\d+-", expand=False).map(FAMILIES)
     rows = rows.assign(family=families)[families.notna()]
@@ -68,11 +69,12 @@ def time_table(rows: pd.DataFrame) -> pd.DataFrame:
 
 
 def by_method(rows: pd.DataFrame) -> pd.DataFrame:
-    """Shares, false claims and times by method.
+    """Shares right, false claims and times of each method.
 
-    One row per family, tolerance and engine's name, in that order. Columns: asked (problems); right
-    (of them) with its share and interval; false_claim (problems); floor_s (median); mean_s (shifted
-    geometric mean of times, failures at the limit, NaN where no time is of this machine).
+    A method is an engine's name at one family and tolerance. Rows are in the order of family,
+    tolerance and name. Columns: asked (problems); right (of them) with its share and interval;
+    false_claim (problems); floor_s (median); mean_s (shifted geometric mean of times, with failures
+    at the limit; NaN where no time is of this machine).
     """
     problems = rows.groupby([*_METHOD, "label"]).agg(
         right=("right", "all"), false_claim=("false_claim", "any"), floor_s=("floor_s", "median")
@@ -91,17 +93,14 @@ def by_method(rows: pd.DataFrame) -> pd.DataFrame:
 
 
 def shift_of(rows: pd.DataFrame) -> float:
-    """The shift of all means (s).
-
-    It is chosen from the times of right answers.
-    """
+    """The shift of means (s), from right answers."""
     return chosen_shift(rows.loc[rows["right"], "wall_s"])
 
 
 def convex_section(results: Results) -> Section | None:
     """The section on convex problems.
 
-    Which engine solves which share of each family at each tolerance, and in which time.
+    It says which engine solves which share of each family at each tolerance, and in which time.
     """
     rows = with_parts(results.rows)
     if rows.empty:
@@ -135,9 +134,9 @@ def convex_section(results: Results) -> Section | None:
 
 
 def _best_supported(methods: pd.DataFrame) -> str:
-    """The best-supported engine of each family.
+    """A sentence on the best-supported engine of each family.
 
-    Its share has the highest lower end, at the least tolerance.
+    It is the engine whose share has the highest lower end, at the least tolerance.
     """
     least = methods["tolerance"].min()
     last = methods[methods["tolerance"] == least].sort_values("right_low", ascending=False)
@@ -149,9 +148,9 @@ def _best_supported(methods: pd.DataFrame) -> str:
 
 
 def _through_cvxpy(rows: pd.DataFrame) -> str:
-    """How much longer engines take through cvxpy.
+    """A sentence on the time that cvxpy adds.
 
-    The same engines at the same problems.
+    Times of the same engine at the same problem are compared. The text is empty if there are none.
     """
     right = rows[rows["right"]]
     times = right.groupby(["name", "label", "tolerance", "interface"])["wall_s"].median()
@@ -163,7 +162,7 @@ def _through_cvxpy(rows: pd.DataFrame) -> str:
 
 
 def _profiles(rows: pd.DataFrame, results: Results) -> Picture:
-    """Performance profiles at each tolerance.
+    """The performance profiles at each tolerance.
 
     QPs and programs with cones have panels of their own.
     """
@@ -189,13 +188,14 @@ def _profiles(rows: pd.DataFrame, results: Results) -> Picture:
 
 
 def _engines(methods: pd.DataFrame, shift: float) -> Table:
-    """Table of engines, by family.
+    """The table of engines, by family.
 
-    Shares right and mean times at each tolerance, and false claims.
+    A cell has the share right and the mean time at one tolerance. A column counts false claims.
     """
     mean = methods["mean_s"].map(seconds, na_action="ignore").astype(object).fillna(ABSENT)
     floor = np.where(methods["floor_s"] > 0.5 * methods["mean_s"], "*", "")
     most = methods.groupby("family")["asked"].transform("max")
+    # ` of 40` behind the share of an engine that was asked fewer problems than others
     sample = (" of " + methods["asked"].map(count)).where(methods["asked"] < most, "")
     cells = methods.assign(at=methods["right_text"] + sample + "\n" + mean + floor)
     groups = cells.groupby(["family", "name"])

@@ -32,10 +32,11 @@ _RATIO = digits(3)
 
 
 def shares(compared: Compared, parts: pd.DataFrame) -> pd.DataFrame:
-    """Share of each kind in the total cost.
+    """The share of each kind in the cost.
 
-    A share is the mean amount of the kind over the mean total; see `split`. A row per method that
-    counts the amount, with its columns, each of `KINDS` as a share, and total (mean over answers).
+    `parts` is a frame of `split`. A share is the mean amount of the kind over the mean total. The
+    result has a row for each method that counts the amount: its columns, each of `KINDS` as a
+    share, and total (mean over answers).
     """
     means = parts.groupby("solver").mean().dropna()
     kinds = means[list(KINDS)].div(means["total"], axis=0)
@@ -43,9 +44,9 @@ def shares(compared: Compared, parts: pd.DataFrame) -> pd.DataFrame:
 
 
 def cost_section(results: Results) -> Section | None:
-    """Where evaluations and seconds go.
+    """The section on where evaluations and seconds go.
 
-    They are compared with one run of the engine.
+    A cost is compared with one run of the engine.
     """
     attempts = compared(results)
     if attempts is None:
@@ -64,9 +65,9 @@ def cost_section(results: Results) -> Section | None:
 
 
 def _picture(table: pd.DataFrame, amount: str) -> Picture:
-    """Bars of the `shares` of the kinds.
+    """Bars of the shares of each kind of cost.
 
-    The mean total stands beside each bar.
+    `amount` is `evaluations` or `seconds`. The mean total stands beside each bar.
     """
     shown = _bars(table)
     show, label = {
@@ -87,9 +88,10 @@ def _picture(table: pd.DataFrame, amount: str) -> Picture:
 
 
 def _bars(table: pd.DataFrame) -> pd.DataFrame:
-    """The cheapest methods with more than one run.
+    """The methods whose bars are drawn.
 
-    If all have a single run, the cheapest. A formulation has at most `_MOST` methods.
+    They are the cheapest methods with more than one run, at most `_MOST` per formulation, and all
+    of plug-ins. If all have a single run, those are drawn.
     """
     order = table.sort_values("total")
     several = order[order["other runs"] > _HARDLY]

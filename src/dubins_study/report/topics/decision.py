@@ -1,6 +1,6 @@
-"""Where engines err, and where they stop.
+"""Which formulation to choose: a table of formulations.
 
-Formulation by formulation, suite by suite.
+The table says what each must know, how often it is right in each suite, and how its attempts end.
 """
 
 from __future__ import annotations
@@ -41,10 +41,11 @@ _NEAR = 0.1  # radii from a turning circle
 
 
 def suites(rows: pd.DataFrame) -> pd.Series[str]:
-    """The suite of each row.
+    """The suite of each row, by name.
 
-    That is the experiment; one with targets near and far from a circle counts as two. The number of
-    hard targets was chosen, so a share of all targets says nothing of the engine.
+    A suite is an experiment. An experiment with enough targets near a turning circle and elsewhere
+    counts as two: the number of hard targets was chosen, so a share of all targets says nothing of
+    the engine.
     """
     near = rows["margin"].abs() <= _NEAR * (1 + 1e-6)
     where = near.map({True: ", near a circle", False: ", elsewhere"})
@@ -57,10 +58,10 @@ def suites(rows: pd.DataFrame) -> pd.Series[str]:
 def best_supported(rows: pd.DataFrame) -> pd.DataFrame:
     """The best-supported method of each line and experiment.
 
-    A line is a formulation with its guesses. Only methods asked more than half as often as the most
-    asked one count, so that no sample wins. The lower end of the interval decides, then the median
-    time. Indexed by experiment, formulation and guesses; columns solver, share, low, high, trials
-    and wall_s (median).
+    A line of the table is a formulation with a kind of guess. Only methods asked more than half as
+    often as the most asked one count, so that no sample wins. The lower end of the interval
+    decides, then the median time. Indexed by experiment, formulation and guesses; columns solver,
+    share, low, high, trials and wall_s (median).
     """
     keys = ["experiment", *_KIND]
     ranked = by_support(rows, [*keys, "solver"])
@@ -70,11 +71,11 @@ def best_supported(rows: pd.DataFrame) -> pd.DataFrame:
 
 
 def ends(rows: pd.DataFrame) -> dict[Hashable, dict[Any, float]]:
-    """How the attempts of each line ended.
+    """Map each line to how its attempts ended.
 
-    A line is a formulation with a kind of guess, all engines together. By formulation and guesses.
-    Shares of all questions: longer, misses, none (no path), late (an answer after the limit) and
-    not asked. Numbers: false_claims, and asked, the attempts made.
+    A line is (formulation, guesses), all engines together. Five values are shares of all attempts:
+    longer, misses, none (no path), late (an answer after the limit) and not asked. Two are numbers:
+    false_claims, and asked (attempts made).
     """
     was_asked = rows["outcome"] != Outcome.NOT_ASKED
     conditions = {
@@ -84,6 +85,7 @@ def ends(rows: pd.DataFrame) -> dict[Hashable, dict[Any, float]]:
         "not asked": ~was_asked,
         "right": rows["right"],
     }
+    # The first condition that holds names the end; a right answer has no share here.
     kind = np.select([*conditions.values()], [*conditions], "none")
     flags = pd.get_dummies(pd.Series(kind, rows.index)).reindex(columns=_SHARES, fill_value=False)
     counted = pd.DataFrame({"false_claims": false_claims(rows), "asked": was_asked})
@@ -93,10 +95,11 @@ def ends(rows: pd.DataFrame) -> dict[Hashable, dict[Any, float]]:
 
 
 def stops(rows: pd.DataFrame, strata: Sequence[str]) -> dict[Hashable, str]:
-    """Up to how many legs engines are right.
+    """Map each line to the sizes that engines solve.
 
-    An engine is right on most routes of every size up to this, for each spacing. By formulation and
-    guesses; empty without routes. A spacing is one of the `strata`.
+    A line is (formulation, guesses). Its text has a number of legs for each spacing, in the order
+    of `strata`: `5, 3, 2`. It is the largest size up to which one engine is right on most routes of
+    every size. The result is empty without routes.
     """
     routes = rows.assign(legs=legs_of(rows))
     routes = routes[routes["legs"].groupby(routes["experiment"]).transform("max") > 1]
@@ -114,11 +117,11 @@ def stops(rows: pd.DataFrame, strata: Sequence[str]) -> dict[Hashable, str]:
 
 
 def decision_section(results: Results) -> Section | None:
-    """A table of formulations.
+    """The section with the table of formulations.
 
     If there are no attempts to compare, a sentence says so. A plug-in's solver has a line of its
-    own, before all others. Every solver has one if a suite has too few questions to choose the best
-    supported of each formulation.
+    own, before all others. Every solver has one if a suite has too few questions to choose the
+    best-supported method of each formulation.
     """
     attempts = compared(results)
     if attempts is None or attempts.answerable.empty:
@@ -146,9 +149,9 @@ def decision_section(results: Results) -> Section | None:
 
 
 def _lead(rows: pd.DataFrame) -> str:
-    """Advice to use the closed form.
+    """A sentence that advises to use the closed form.
 
-    Its number is left out if the closed form was not asked here.
+    It counts right answers only if the closed form was asked here.
     """
     exact = rows[rows["solver"] == EXACT]
     if exact.empty:
@@ -163,12 +166,14 @@ def _lead(rows: pd.DataFrame) -> str:
 
 
 def _table(attempts: Compared, rows: pd.DataFrame, *, few: bool, each: bool) -> Table:
-    """A line for each formulation and kind of guess.
+    """The table of formulations and kinds of guesses.
 
-    First those that most suites ask.
+    `few`: whether a suite has few questions. `each`: whether each solver has a line of its own.
+    Plug-ins come first, then the lines that most suites ask.
     """
     # an engine at other options is asked a sample only, and would count twice
     equal = rows[rows["solver"].map(_equal)]
+    # A line with engines at equal options counts these alone; another line counts all it has.
     stop = stops(rows, attempts.strata) | stops(equal, attempts.strata)
     ended = ends(rows) | ends(equal)
     first_seen = list(dict.fromkeys(rows["experiment"].str.partition(",")[0]))
@@ -186,6 +191,7 @@ def _table(attempts: Compared, rows: pd.DataFrame, *, few: bool, each: bool) -> 
         _line(methods, ended[kind]) | {"stops": stop.get(kind, "")}
         for kind, methods in best.groupby(_KIND, sort=False)
     ]
+    # `sure`: the mean of the lower ends of the intervals
     frame = pd.DataFrame(lines).sort_values(
         ["mine", "suites", "sure"], ascending=False, ignore_index=True
     )
@@ -223,7 +229,7 @@ def _table(attempts: Compared, rows: pd.DataFrame, *, few: bool, each: bool) -> 
 def _equal(spec: str) -> bool:
     """Whether a solver has the options `equal`.
 
-    A plug-in's solver without such options counts, too.
+    A solver without this setting, such as a plug-in's, counts too.
     """
     return parse_spec(spec)[1].get("options", "equal") == "equal"
 
@@ -231,7 +237,8 @@ def _equal(spec: str) -> bool:
 def _line(methods: pd.DataFrame, end: Mapping[Any, float]) -> dict[str, Any]:
     """One line of the table.
 
-    The best-supported method in each experiment, and how all attempts ended.
+    `methods` has the line's best-supported method in each experiment, and `end` is how all its
+    attempts ended.
     """
     first = methods.iloc[0]
     formulation = str(first["formulation"])

@@ -1,6 +1,6 @@
 """The section on questions without a path.
 
-Who recognises that no path exists.
+It shows which solvers recognise that no path exists.
 """
 
 from __future__ import annotations
@@ -30,21 +30,29 @@ KINDS = ("presolved", "unasked", *_ANSWERS)
 
 
 def existence(attempts: pd.DataFrame) -> pd.DataFrame:
-    """Answers of each solver on existence.
+    """What each solver answers where no path exists.
 
-    One row per solver that was asked a question without a path, or that denied a path. Columns of
-    `methods_of`; of the questions without a path: presolved, unasked (the solver is not installed),
-    reached (that reached the engine), and of these right, local (a local engine found none near its
-    last point), wrong (a false claim) and silent (no claim); wall_s (median of the attempts that
-    reached the engine, s); of those that have a path: questions, denied (claimed infeasible,
-    locally or not); those of `with_share` for right, local, silent and wrong, shares of `reached`,
-    and for denied, a share of `questions`.
+    One row per solver that was asked a question without a path, or that denied a path. A number
+    counts questions, and repeats are parts of one.
+
+    Returns:
+        The columns of `methods_of`, and these.
+
+        Of questions without a path: presolved; unasked (the solver is not installed); reached (that
+        reached the engine). Of those that reached the engine: right; local (a local engine found no
+        path near its last point); wrong (a false claim); silent (no claim). wall_s is the median of
+        the attempts that reached the engine, s.
+
+        Of questions with a path: questions, denied (claimed infeasible, locally or not).
+
+        Those of `with_share` for right, local, silent and wrong, as shares of `reached`, and for
+        denied, as a share of `questions`.
     """
     there = attempts["answerable"]
     verdict = attempts["verdict"]
     false = attempts["false_claim"]
     local = attempts["claim"].eq(Claim.LOCALLY_INFEASIBLE)
-    conditions = {
+    conditions = {  # the first that holds is the kind; "silent" if none does
         "": there | attempts["left_open"],
         "presolved": verdict.eq(PRESOLVED),
         "unasked": attempts["outcome"].eq("unavailable"),
@@ -87,9 +95,9 @@ _NUMBERS = (
 
 
 def existence_section(results: Results) -> Section | None:
-    """The section's tables and its text.
+    """The section on questions without a path.
 
-    They have right, silent and wrong answers where no path exists, and paths that are denied.
+    It has right, silent and wrong answers where no path exists, and paths that are denied.
     """
     frame = existence(results.attempts)
     if not (frame[["reached", "presolved"]].any(axis=None)):
@@ -110,9 +118,10 @@ _STATIONARY = 1e-6
 def last_points(attempts: pd.DataFrame) -> pd.DataFrame:
     """Ends without a path, by engine and claim.
 
-    Attempts that ended off the points, and how many of them at a stationary point. Stationary: no
-    small change of the unknowns lowers the violation of the equations. Columns engine, claim, ends,
-    with_path (at a question that has a path), stationary, those of `with_share` for it.
+    An end counts if the attempt did not satisfy the equations at its last point. It is stationary
+    if no small change of the unknowns lowers the violation of the equations. Columns: engine,
+    claim, ends, with_path (ends at a question that has a path), stationary, and those of
+    `with_share` for stationary.
     """
     ended = attempts[attempts["violation_slope"].notna()]
     stationary = ended["violation_slope"] <= _STATIONARY
@@ -124,7 +133,10 @@ def last_points(attempts: pd.DataFrame) -> pd.DataFrame:
 
 
 def _points_text(points: pd.DataFrame) -> str:
-    """Share of locally infeasible ends that are stationary."""
+    """A sentence on claims of local infeasibility.
+
+    It has the share of these ends that are stationary; empty if there are no such ends.
+    """
     local = points[points["claim"] == Claim.LOCALLY_INFEASIBLE]
     ends = int(local["ends"].sum())
     if not ends:
@@ -136,6 +148,7 @@ def _points_text(points: pd.DataFrame) -> str:
 
 
 def _points_table(points: pd.DataFrame) -> Table:
+    """The table of last points without a path."""
     caption = (
         "Last points of local engines that return no path. Stationary: by the equations' "
         f"derivatives a step of 1 removes at most {_STATIONARY:g} of the violation. `Locally "
@@ -151,6 +164,10 @@ def _points_table(points: pd.DataFrame) -> Table:
 
 
 def _text(frame: pd.DataFrame) -> str:
+    """Sentences on all solvers together.
+
+    `frame` is that of `existence`.
+    """
     reached = frame["reached"].sum()
     presolved = frame["presolved"].sum()
     total = reached + presolved
@@ -190,6 +207,7 @@ def _text(frame: pd.DataFrame) -> str:
 
 
 def _table(frame: pd.DataFrame) -> Table:
+    """The table of answers where no path exists."""
     caption = (
         "Questions without a path, solver by solver. By presolve: no engine was asked. Right: it "
         "claims that no path exists; locally: that no path is near its last point; silent: it "

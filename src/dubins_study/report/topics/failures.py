@@ -1,6 +1,6 @@
 """The section on failures.
 
-What happened, the solvers' messages, and a command that repeats each failure.
+It has what happened, the solvers' messages, and a command that repeats each failure.
 """
 
 from __future__ import annotations
@@ -41,22 +41,22 @@ _BY_MESSAGE = ["solver", "outcome", "claim", "verdict", "message"]
 
 
 def gist(message: str) -> str:
-    """A message without numbers and repetitions.
+    """A message without numbers and repeated parts.
 
-    Similar messages then count as one.
+    Each number becomes `#`, so that similar messages count as one.
     """
     parts = [re.sub(r"\d[\d.]*(?:[eE][+-]?\d+)?", "#", part) for part in message.split("; ")]
     return "; ".join(dict.fromkeys(parts))[:160]
 
 
 def kinds_of(attempts: pd.DataFrame) -> pd.Series[str]:
-    """The kind of each attempt's failure.
+    """The kind of each attempt's failure, or empty.
 
-    The first of `KINDS` that holds; empty if the attempt has not failed. A failure is an attempt at
-    a question that has a path, without an answer that the check accepts.
+    The kind is the first of `KINDS` that holds. A failure is an attempt at a question that has a
+    path, without an answer that the check accepts.
     """
     verdict = attempts["verdict"]
-    conditions = {
+    conditions = {  # the first that holds is the kind; "no path" if none does
         "": ~attempts["answerable"] | verdict.isin((*SUCCESSES, PRESOLVED)),
         "no return": attempts["outcome"].ne("returned") | verdict.eq(LATE),
         "misses": verdict.eq("misses"),
@@ -69,7 +69,8 @@ def kinds_of(attempts: pd.DataFrame) -> pd.Series[str]:
 def plainest(attempts: pd.DataFrame, keys: list[str]) -> pd.DataFrame:
     """The plainest attempt of each group.
 
-    The first by `_EXAMPLE`; cold if the group has a cold one.
+    The columns `keys` define the groups. The plainest attempt is the first by the columns
+    `_EXAMPLE`: cold if the group has a cold one, then the first repeat, then the nearest target.
     """
     warm = attempts["initial_guess"].ne("cold")
     dx = attempts["target_x"] - attempts["x"]
@@ -79,11 +80,11 @@ def plainest(attempts: pd.DataFrame, keys: list[str]) -> pd.DataFrame:
 
 
 def failures(attempts: pd.DataFrame) -> pd.DataFrame:
-    """Failures counted by their message.
+    """Failures counted by solver, outcome and message.
 
-    They are also counted by outcome, claim and verdict. Those of stopped processes first, then the
-    largest. Columns: solver, outcome, claim, verdict, message (of the status if there is no
-    message), attempts; those of an example, the first repeat with the nearest target.
+    Failures of stopped processes come first, then the most frequent. Columns: solver, outcome,
+    claim, verdict, message (the status if there is no message), attempts, and the columns of an
+    example, the plainest attempt.
     """
     failed = attempts[kinds_of(attempts) != ""]
     messages = failed["message"].replace("", None).fillna(failed["native_status"]).fillna("")
@@ -98,7 +99,7 @@ def failures(attempts: pd.DataFrame) -> pd.DataFrame:
 def with_commands(table: pd.DataFrame) -> pd.DataFrame:
     """The table of `failures` with a column `command`.
 
-    The command repeats the example, under its limit (s).
+    The command asks the example again, under the example's time limit.
     """
     limits = table["limit_s"].astype(object).where(table["limit_s"].notna(), None)
     lines = table.assign(time_limit_s=limits).to_dict("records")
@@ -116,7 +117,7 @@ _KIND_TEXT = {
 
 
 def failures_section(results: Results | None) -> Section:
-    """Failures by message, with commands.
+    """The section with failures by message, and commands.
 
     The results of an empty run are None.
     """
@@ -143,7 +144,7 @@ def failures_section(results: Results | None) -> Section:
 
 
 def _lost_text(lost: pd.Series[int], total: int) -> str:
-    """How many attempts did not return, by reason.
+    """A sentence on attempts that did not return.
 
     The text is empty if all returned.
     """
@@ -154,9 +155,10 @@ def _lost_text(lost: pd.Series[int], total: int) -> str:
 
 
 def _failed_text(kinds: pd.Series[int], total: int) -> str:
-    """How many attempts failed, by kind.
+    """A sentence on how many attempts failed, by kind.
 
-    The questions have a path; the text is empty if none failed.
+    `total` is the number of attempts at questions that have a path. The text is empty if none
+    failed.
     """
     failed = kinds.sum()
     if not failed:
@@ -170,9 +172,9 @@ def _failed_text(kinds: pd.Series[int], total: int) -> str:
 
 
 def _untaken_text(untaken: pd.DataFrame) -> str:
-    """How many questions the solvers do not take.
+    """A sentence on questions that solvers do not take.
 
-    Such questions are no attempts.
+    Such questions are no attempts. The text is empty if there are none.
     """
     if untaken.empty:
         return ""
@@ -184,6 +186,7 @@ def _untaken_text(untaken: pd.DataFrame) -> str:
 
 
 def _message_table(table: pd.DataFrame) -> Table:
+    """The table of failures by message."""
     shown = (
         SOLVER,
         *columns(kind="text", outcome="outcome", claim="claim", verdict="verdict"),

@@ -1,7 +1,4 @@
-"""Findings: sentences to act on.
-
-Each is computed from the rows.
-"""
+"""Findings: sentences to act on, computed from the rows."""
 
 from __future__ import annotations
 
@@ -48,9 +45,11 @@ _FROM = {
 def words_against_joint(evidence: Evidence) -> Finding | None:
     """One problem a word against the joint model.
 
-    Guess by guess. Engine by engine; both of a pair are presolved, or neither. Of one leg alone: a
-    route's words come from a dynamic program with the closed form, so that the two know and begin
-    unlike. The guess with the largest clear difference heads the sentence, the others follow.
+    Pairs of methods differ in the formulation alone: the engine and the guess are the same, and
+    both are presolved or neither is. Routes are left out: their words come from a dynamic program
+    with the closed form, so that the two formulations know different things and begin from
+    different guesses. Each kind of guess has its own difference. The largest clear difference is
+    the sentence, and the others follow in `question`.
     """
     same = ["engine", "guess", "guesses", "presolve", "settings"]
     kinds: dict[str, list[Pair]] = {}
@@ -90,7 +89,7 @@ def words_against_joint(evidence: Evidence) -> Finding | None:
 def blind_start(evidence: Evidence) -> Finding | None:
     """One guess toward the points against a straight line.
 
-    Engine, formulation and settings are the same.
+    Pairs of methods differ in the guess alone.
     """
     pairs = evidence.pairs(["formulation", "engine", "settings"], "guess", "one", "straight")
     points = _points(evidence, pairs)
@@ -112,9 +111,10 @@ def blind_start(evidence: Evidence) -> Finding | None:
 
 
 def _apart(evidence: Evidence, pairs: list[Pair]) -> pd.DataFrame:
-    """Differences of shares right, by question and pair.
+    """Differences of shares right, questions by pairs.
 
-    They are the percentage points by which the first of each pair is right more often.
+    A column has the name of the pair's first method. It says by how many percentage points the
+    first method is right more often than the second; negative: less often.
     """
     rates = evidence.rates
     apart = {first: 100 * (rates[first] - rates[second]) for first, second in pairs}
@@ -122,10 +122,10 @@ def _apart(evidence: Evidence, pairs: list[Pair]) -> pd.DataFrame:
 
 
 def _points(evidence: Evidence, pairs: list[Pair], of: int = 1) -> Estimate | None:
-    """The mean of `_apart` over pairs and questions.
+    """The mean difference of shares right, or None.
 
-    Its interval is over scenarios and engines. If it is one of several, the interval is that of all
-    at once.
+    It is the mean of `_apart`, in percentage points. Its interval is over scenarios and engines. If
+    it is one of `of` means, all their intervals hold at once.
     """
     return evidence.estimate_over_engines(_apart(evidence, pairs), of)
 
@@ -139,8 +139,9 @@ def _in_pairs(
 ) -> Finding:
     """A finding on pairs of methods.
 
-    The first of each pair is right more often: by `points`. It says what `others` say, and how far
-    the pairs, or the formulations, differ among themselves.
+    In each pair the first method is right more often, by `points` in the mean. The finding's
+    `question` also has the texts `others`, and the range of differences between formulations, or
+    between pairs if there is one formulation.
     """
     each = _apart(evidence, pairs).mean()
     by = each.groupby(evidence.methods["formulation"][each.index]).mean()
@@ -160,7 +161,7 @@ def _in_pairs(
 def presolve_pairs(methods: pd.DataFrame) -> list[Pair]:
     """Pairs of solvers (without presolve, with presolve).
 
-    Their specs differ in the setting `presolve` alone.
+    The specs of a pair differ only in the setting `presolve`.
     """
     alike: dict[object, dict[bool, str]] = {}
     for spec in methods.index:
@@ -173,7 +174,7 @@ def presolve_pairs(methods: pd.DataFrame) -> list[Pair]:
 def presolve(evidence: Evidence) -> Finding | None:
     """The evaluations that dropping words by geometry saves.
 
-    The factor over all methods, and method by method.
+    The sentence has the factor over all methods; `question` has the medians of each method.
     """
     table = evaluations(evidence.compared).replace(np.inf, np.nan)
     ratios = pd.DataFrame(index=table.index)
@@ -206,9 +207,9 @@ def presolve(evidence: Evidence) -> Finding | None:
 
 
 def price_of_proof(evidence: Evidence) -> Finding | None:
-    """The best method with proof against the best without.
+    """The fastest method with a proof against one without.
 
-    Both have one formulation: else the ratio would compare formulations too.
+    Both have the same formulation: else the ratio would compare formulations too.
     """
     ranked = evidence.ranked
     proves = ranked.index.isin(evidence.provers)
@@ -249,10 +250,7 @@ FINDINGS: tuple[Callable[[Evidence], Finding | None], ...] = (
 
 
 def findings_section(results: Results) -> Section | None:
-    """Sentences to act on; None if there are none.
-
-    Each is computed from the rows.
-    """
+    """The section with all findings, or None without any."""
     every = _findings(results)
     if not every:
         return None
@@ -268,9 +266,10 @@ def findings_section(results: Results) -> Section | None:
 def _findings(results: Results) -> list[Finding]:
     """The findings of each experiment.
 
-    A finding names its experiment where there are several. Their intervals are corrected for all
-    that could be found: each of `FINDINGS` in each experiment, and of tours `grid_optima` alone.
-    Not of frozen problems, which have a section of their own.
+    A finding names its experiment if there are several. The intervals are corrected for all
+    findings that are possible: each of `FINDINGS` in each experiment, but of tours only
+    `grid_optima`, which is about tours alone. Frozen convex problems are left out, since they have
+    a section of their own.
     """
     paths = results.attempts[~results.attempts["branch"].isin(BRANCHES_WITHOUT_PATH)]
     asked = set(paths["experiment"])
@@ -297,6 +296,7 @@ def _findings(results: Results) -> list[Finding]:
 
 
 def _table(findings: list[Finding]) -> Table:
+    """The table with a line per finding."""
     shown = (
         *columns(kind="prose", sentence="finding"),
         *columns(kind="prose", question="from what"),

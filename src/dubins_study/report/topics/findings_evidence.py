@@ -1,6 +1,6 @@
-"""The tables from which findings are computed.
+"""The tables and estimates from which findings are computed.
 
-Each table is made once; estimates have their intervals.
+`Evidence` computes each table once. Estimates have their intervals.
 """
 
 from __future__ import annotations
@@ -50,15 +50,21 @@ class Estimate(NamedTuple):
         return with_interval(show, self.value, self.low, self.high)
 
     def is_clear(self, none: float = 0.0) -> bool:
-        """Whether the interval excludes that there is no difference."""
+        """Whether the interval excludes `none`: no difference.
+
+        For a difference `none` is 0, for a ratio 1.
+        """
         return not self.low <= none <= self.high
 
     def turned(self) -> Estimate:
-        """The estimate of the opposite difference."""
+        """The same difference with the opposite sign.
+
+        It says how much better the second of a pair is, instead of the first.
+        """
         return Estimate(-self.value, -self.high, -self.low, self.questions)
 
     def percent_text(self) -> str:
-        """A share in per cent and its interval.
+        """A share in per cent with its interval.
 
         An example is `25.0 % (21.0 to 34.2)`.
         """
@@ -68,8 +74,9 @@ class Estimate(NamedTuple):
 class Finding(NamedTuple):
     """A sentence that a practitioner can act on.
 
-    It has one number with its interval. `question` gives the numbers of questions and methods, and
-    further facts of the rows; `shown_in` names the section, and the table or figure, that shows it.
+    The sentence has one number with its interval, the `estimate`. `question` is a text on where the
+    number comes from: the numbers of questions and methods, and further facts of the rows.
+    `shown_in` names the section, and the table or figure, that shows it.
     """
 
     sentence: str
@@ -81,16 +88,16 @@ class Finding(NamedTuple):
 def estimate_of(intervals: pd.DataFrame, questions: int) -> Estimate:
     """The estimate in the first row of a frame.
 
-    The columns are a number and the ends of its interval.
+    The frame has three columns: the number, and the two ends of its interval.
     """
     value, low, high = intervals.iloc[0].tolist()
     return Estimate(value, low, high, questions)
 
 
 def chosen_share(share: float, questions: int, of: int) -> Estimate:
-    """A share of questions, the most extreme of several.
+    """The estimate of a share, chosen as most extreme.
 
-    Its interval is that of all at once.
+    It was chosen among `of` shares of questions; all their intervals hold at once.
     """
     low, high = wilson_intervals(min(share * questions, questions), questions, of)
     return Estimate(share, low, high, questions)
@@ -119,7 +126,7 @@ class Evidence:
 
     @cached_property
     def rates(self) -> pd.DataFrame:
-        """Shares of right repeats, questions by solvers.
+        """The share of right repeats, questions by solvers.
 
         NaN where the solver was not asked.
         """
@@ -129,17 +136,17 @@ class Evidence:
 
     @cached_property
     def ranked(self) -> pd.DataFrame:
-        """The methods, ranked by their mean times.
+        """The methods ordered by their mean times, perhaps none.
 
-        Failures count as the limit; may be empty.
+        A failure counts as the limit in a mean.
         """
         return mean_ranks(self.compared).methods
 
     @cached_property
     def claims(self) -> pd.DataFrame:
-        """All claims of engines.
+        """The engines' attempts with the worth of their claims.
 
-        Questions without a path count, too.
+        Attempts at questions without a path are included.
         """
         rows = claims(self.compared)
         return rows[rows["solver"] != EXACT]
@@ -155,13 +162,16 @@ class Evidence:
         return self.methods.index[proves].tolist()
 
     def name(self, solver: str) -> str:
-        """Engine, guess and settings on a formulation."""
+        """A method's name in a sentence.
+
+        It has the engine, the guess, the settings and the formulation.
+        """
         return str(self.methods["name"][solver])
 
     def knows(self, solver: str) -> str:
-        """The knowledge that a method is given.
+        """What a method is told besides the question.
 
-        The words are those of the column `knows`.
+        The words are those of the column `knows`; empty if nothing.
         """
         return str(self.methods["knows"].fillna("")[solver])
 
@@ -169,14 +179,14 @@ class Evidence:
     def usual(self) -> pd.DataFrame:
         """The methods that met nearly all questions.
 
-        Other methods would compare the questions.
+        A comparison with other methods would compare the questions.
         """
         return self.met_most(self.compared.answerable)
 
     def met_most(self, rows: pd.DataFrame) -> pd.DataFrame:
-        """The methods that met nearly all of these questions.
+        """The methods that met nearly all these questions.
 
-        The questions are those of the rows.
+        Nearly all is a share of at least `ENOUGH_ASKED`.
         """
         questions_met = rows.groupby("solver", observed=True)["question"].nunique()
         share = questions_met.reindex(self.methods.index).fillna(0.0) / max(
@@ -186,10 +196,10 @@ class Evidence:
 
     @cached_property
     def at_floor(self) -> list[str]:
-        """Solvers whose time is mostly the floor.
+        """The solvers whose time is mostly the floor.
 
-        The floor, which counts as often as the engine was called, is more than half of their median
-        time. No sentence compares their times.
+        The floor counts as often as the engine was called. It is more than half of these solvers'
+        median times, so no sentence compares their times.
         """
         rows = self.compared.answerable
         runs = rows["subproblem_runs"].map(np.sum, na_action="ignore").astype(np.float64)
@@ -200,19 +210,19 @@ class Evidence:
     def pairs(self, same: list[str], differs: str, value: str, other: str) -> list[Pair]:
         """Pairs of solvers that differ in one column.
 
-        They agree in the columns `same`: the first has one value, the second another. The first
-        solver of each kind in the order of tables is taken.
+        The first solver has `value` in the column `differs`, the second has `other`. Both agree in
+        the columns `same`. If several solvers fit, the first in the order of tables is taken.
         """
         kinds = self.usual.dropna(subset=same).reset_index().drop_duplicates([*same, differs])
         first = kinds[kinds[differs] == value]
         second = kinds[kinds[differs] == other]
-        both = first.merge(second, on=same)
+        both = first.merge(second, on=same)  # solver_x has `value`, solver_y has `other`
         return list(zip(both["solver_x"], both["solver_y"], strict=True))
 
     def median(self, values: pd.Series[float]) -> Estimate | None:
-        """The median over questions.
+        """The median of values over questions.
 
-        None if fewer than `ENOUGH` have a value.
+        None if fewer than `ENOUGH` questions have a value.
         """
         known = values.dropna().to_frame("value")
         if len(known) < ENOUGH:
@@ -223,9 +233,10 @@ class Evidence:
     def estimate_over_engines(self, table: pd.DataFrame, of: int = 1) -> Estimate | None:
         """The mean of a table of questions by solvers.
 
-        Its interval is over scenarios and engines. Engines that are one code are one unit. The
-        interval holds the means without any one of them. If the mean is one of several, the
-        interval is that of all at once. None if fewer than `ENOUGH` questions have a value.
+        Its interval is over scenarios and engines, where engines that share their code count as
+        one. The interval is widened until it holds the mean without any one engine. If the mean is
+        one of `of` means, all their intervals hold at once. None if fewer than `ENOUGH` questions
+        have a value.
         """
         known = table.dropna(how="all")
         if len(known) < ENOUGH:
@@ -241,9 +252,9 @@ class Evidence:
         return whole._replace(low=float(low), high=float(high))
 
     def share_of(self, rates: pd.Series[float]) -> Estimate | None:
-        """The mean of rates, with Wilson's interval.
+        """The mean of rates over questions, with Wilson's interval.
 
-        It has as many trials as there are questions.
+        Each question is a trial. None if there are fewer than `ENOUGH`.
         """
         known = rates.dropna()
         if len(known) < ENOUGH:
@@ -251,10 +262,11 @@ class Evidence:
         return chosen_share(float(known.mean()), len(known), self.of)
 
     def time_ratio(self, solver: str, base: str) -> Estimate | None:
-        """The ratio of two solvers' median times.
+        """The ratio of two solvers' times, solver / base.
 
-        Over the questions on which both are right; a question counts by the median over its
-        repeats.
+        The times are medians over the questions on which both are right. A question counts by the
+        median over its repeats. None if there are fewer than `ENOUGH` questions, or if one of the
+        times is mostly the floor.
         """
         timed = set(times(self.compared).columns) - set(self.at_floor)
         if not {solver, base} <= timed:
@@ -266,13 +278,14 @@ class Evidence:
         return estimate_of(ratios.loc[[solver]], len(both))
 
     def medians_of(self, solver: str, base: str) -> str:
-        """The two medians that `time_ratio` divides.
+        """A text with the two medians that `time_ratio` divides.
 
-        A text: `12 questions that both answer, ...`.
+        An example is `31 questions that both answer, medians 2.1 s and 40 ms`.
         """
         both = self._both_right(solver, base)
         medians_text = " and ".join(map(seconds, both.median()))
         return f"{some(len(both), 'question')} that both answer, medians {medians_text}"
 
     def _both_right(self, solver: str, base: str) -> pd.DataFrame:
+        """The times (s) at questions that both solve."""
         return times(self.compared)[[solver, base]].replace(np.inf, np.nan).dropna()

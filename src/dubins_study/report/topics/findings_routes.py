@@ -1,6 +1,6 @@
 """Findings on routes.
 
-The price of a proof, where engines stop, and how times grow.
+They are the price of a proof, where engines stop, and how times grow.
 """
 
 from __future__ import annotations
@@ -34,24 +34,24 @@ _SEED = 0
 def routes_of(evidence: Evidence) -> pd.DataFrame:
     """The attempts at routes that are not open.
 
-    Routes of at least two legs; with a column legs.
+    Routes of at least two legs; with a column `legs`.
     """
     return _of_several_legs(evidence.compared.answerable)
 
 
 def _by_support(evidence: Evidence, rows: pd.DataFrame) -> pd.DataFrame:
-    """Engines by support, the best supported first.
+    """Shares right of solvers, the best supported first.
 
-    Only engines that met nearly all questions count: see `scenario_shares`.
+    The frame is that of `by_support`. Only engines that met nearly all questions of the rows count.
     """
     engines = rows[rows["solver"].isin(evidence.met_most(rows).index)]
     return by_support(engines, ["solver"])
 
 
 def _named(evidence: Evidence, *solvers: str) -> str:
-    """The names of engines' methods.
+    """Names of methods, joined by "and".
 
-    The text says if the words are known to all of them.
+    The text adds that the words are given, if this holds for all of the solvers.
     """
     words_given = all("words" in evidence.knows(solver).split() for solver in solvers)
     names = " and ".join(map(evidence.name, solvers))
@@ -61,28 +61,34 @@ def _named(evidence: Evidence, *solvers: str) -> str:
 def _search(evidence: Evidence) -> pd.DataFrame:
     """The search's attempts at routes.
 
-    Routes of at least two legs, the undecided ones too.
+    Routes of at least two legs, those left open too.
     """
     rows = evidence.compared.rows
     return _of_several_legs(rows[rows["solver"] == EXACT])
 
 
 def _of_several_legs(rows: pd.DataFrame) -> pd.DataFrame:
-    """Attempts at routes of several legs, with their number."""
+    """The attempts at routes of several legs.
+
+    A column `legs` with the number of legs is added.
+    """
     legs = legs_of(rows)
     return rows.assign(legs=legs)[legs > 1]
 
 
 def _closed(rows: pd.DataFrame) -> pd.Series[bool]:
-    """Whether the search's attempts are right and proved."""
+    """A mask of attempts right with a proof.
+
+    The attempts are the search's.
+    """
     return rows["right"] & rows["claim"].eq("optimal")
 
 
 def proof_of_routes(evidence: Evidence) -> Finding | None:
     """How many routes the search proves.
 
-    The finding also compares its time with the best-supported engine without proofs, for each
-    spacing. If several engines have equal support, the fastest counts.
+    For each spacing, the search's time is compared with that of the best-supported engine without
+    proofs. If several engines have equal support, the fastest is taken.
     """
     rows = routes_of(evidence)
     search = _search(evidence)
@@ -137,13 +143,15 @@ def proof_of_routes(evidence: Evidence) -> Finding | None:
 
 
 def where_engines_stop(evidence: Evidence) -> Finding | None:
-    """How often engines solve the hardest routes.
+    """How often the best engine solves the hardest routes.
 
-    The share of the best-supported engine, for the kind of routes that is hardest to engines.
+    Only routes of at least `_LONG` legs count. The hardest kind of routes (label) is the one on
+    which the best-supported engine has the least share. None unless the search proves a larger
+    share.
     """
     rows = routes_of(evidence)
     rows = rows[rows["legs"] >= _LONG]
-    hardest: dict[str, Estimate] = {}
+    hardest: dict[str, Estimate] = {}  # by label: the share of its best-supported engine
     for label, of_label in rows.groupby("label"):
         ranked = _by_support(evidence, of_label)
         if len(ranked) and ranked["trials"].iloc[0] >= ENOUGH:
@@ -152,7 +160,7 @@ def where_engines_stop(evidence: Evidence) -> Finding | None:
             hardest[str(label)] = chosen_share(line["share"], int(line["trials"]), several)
     if not hardest:
         return None
-    label = min(hardest, key=hardest.__getitem__)
+    label = min(hardest, key=hardest.__getitem__)  # the least share: tuples compare by `value`
     share = hardest[label]
     chosen = rows[rows["label"] == label]
     ranked = _by_support(evidence, chosen)
@@ -177,9 +185,10 @@ def where_engines_stop(evidence: Evidence) -> Finding | None:
 def growth(evidence: Evidence) -> Finding | None:
     """How times grow with the number of legs.
 
-    The least and the largest power of the number of legs. Of methods that are right on most routes
-    of each of at least four sizes, all of one label. An attempt that a limit ended counts as
-    failed: its time is the limit's.
+    Time is fitted as a power of the number of legs. The finding names the method with the largest
+    power and the one with the least. Only methods that are right on most routes of each of at least
+    `_SIZES` sizes count, all of one label. An attempt that a limit ended counts as failed, since
+    its time is the limit's.
     """
     rows = routes_of(evidence)
     if rows.empty:
@@ -209,6 +218,7 @@ def growth(evidence: Evidence) -> Finding | None:
     }
     if len(powers) < 2:
         return None
+    # estimates are tuples and compare by `value` first
     least = min(powers, key=powers.__getitem__)
     most = max(powers, key=powers.__getitem__)
     power = powers[most]
@@ -227,7 +237,7 @@ def growth(evidence: Evidence) -> Finding | None:
         return f"{name_of(solver)} ({seconds(times.iloc[0])} to {seconds(times.iloc[-1])})"
 
     def doubled(solver: str) -> str:
-        """The factor for twice as many legs, with interval."""
+        """The factor for twice as many legs, as text."""
         slope = powers[solver]
         factor = slope._replace(value=2**slope.value, low=2**slope.low, high=2**slope.high)
         return factor.text()
@@ -248,11 +258,11 @@ def growth(evidence: Evidence) -> Finding | None:
 
 
 def exponent(legs: FloatArray, wall_s: FloatArray, of: int = 1) -> Estimate:
-    """The exponent of time over legs.
+    """The exponent p of time ~ legs^p.
 
-    The slope of log time on log legs (least squares), with its interval over routes. Routes are
-    resampled within each number of legs. If it is the most extreme of several, the interval is that
-    of all at once.
+    It is the slope of log time on log legs (least squares). The interval resamples routes within
+    each number of legs. If the exponent is chosen as the most extreme of `of`, all their intervals
+    hold at once.
     """
     x = np.log(legs)
     y = np.log(wall_s)
@@ -262,6 +272,7 @@ def exponent(legs: FloatArray, wall_s: FloatArray, of: int = 1) -> Estimate:
         places = np.flatnonzero(legs == size)
         picks.append(places[rng.integers(places.size, size=(_RESAMPLES, places.size))])
     sample = np.concatenate(picks, axis=1)
+    # the least-squares slope of each resample: sum(dx * y) / sum(dx^2)
     away = x[sample] - x[sample].mean(axis=1, keepdims=True)
     slopes = (away * y[sample]).sum(axis=1) / (away * away).sum(axis=1)
     low, high = np.quantile(slopes, [0.025 / of, 1.0 - 0.025 / of])

@@ -1,4 +1,7 @@
-"""What the study found of tours: what the optimum of a grid of headings is worth."""
+"""A finding on tours: what grids' optima are worth.
+
+The grids are those of headings.
+"""
 
 from __future__ import annotations
 
@@ -14,9 +17,10 @@ from dubins_study.report.topics.tours import (
 
 
 def grid_optima(evidence: Evidence) -> Finding | None:
-    """How many proved optima of a grid of headings have another order than the proved tour.
+    """How often a grid's optimum has another order.
 
-    Of the grid whose optima were proved on most tours.
+    The proved optima of a grid of headings are compared with the proved tours. Of several grids,
+    the one with the most proved optima is taken.
     """
     rows = evidence.compared.answerable
     if not rows["formulation"].isin(PROVING).any():

@@ -40,16 +40,18 @@ SHORTER = 1e-4
 
 
 def rungs(rows: pd.DataFrame) -> pd.DataFrame:
-    """Attempts with their rungs and findings.
+    """The attempts near a circle, with rung and finding.
 
-    A rung is a place on the ladder of margins. `right`: optimal, and as long as the scenario's
-    shortest path. `by its miss`: the check accepts it as optimal, since it is the shortest to where
-    it ends, but it is shorter than the scenario's shortest path. `coarse`: longer, but with the
-    same shape. `wrong basin`: longer, with another shape. `no path`: no path was returned, or it
-    does not arrive.
+    A rung is a power of ten of the margin. The findings, from the best to the worst:
 
-    Columns solver, side, rung (margin as a power of ten), finding (from the best to the worst),
-    false_claim, miss (radii).
+    - `right`: optimal, and as long as the scenario's shortest path.
+    - `coarse`: longer, but with the same shape.
+    - `by its miss`: the check accepts the path as optimal, since it is the shortest to where it
+      ends. Yet it is shorter than the scenario's shortest path.
+    - `wrong basin`: longer, with another shape.
+    - `no path`: no path was returned, or it does not arrive.
+
+    Columns: solver, side, rung (exponent of ten), finding, false_claim, miss (radii).
     """
     group = rows[(rows["branch"] == "best") & (rows["margin"] > 0)]
     dx = group["target_x"] - group["x"]
@@ -77,17 +79,17 @@ def rungs(rows: pd.DataFrame) -> pd.DataFrame:
 
 
 def ladder(attempts: pd.DataFrame) -> pd.DataFrame:
-    """Worst finding per solver, side and rung.
+    """The worst finding of each solver, side and rung.
 
-    The attempts are those that `rungs` returns. Columns solver, side, rung, finding (the worst
-    one), false_claim (of any).
+    `attempts` are those of `rungs`. Columns: solver, side, rung, finding (the worst), false_claim
+    (whether any attempt has one).
     """
     groups = attempts.groupby(["solver", "side", "rung"], sort=False)
     return groups[["finding", "false_claim"]].max().reset_index()
 
 
 def ladder_section(results: Results) -> Section | None:
-    """Map of solvers and margins, one per side."""
+    """The section with maps of solvers and margins."""
     attempts = rungs(results.rows)
     if attempts.empty:
         return None
@@ -116,7 +118,10 @@ def ladder_section(results: Results) -> Section | None:
 
 
 def _picture(table: pd.DataFrame, palette: Palette) -> Picture:
-    """Map of solvers and margins, one per side."""
+    """The maps of solvers and margins, one per side.
+
+    `table` is that of `ladder`.
+    """
     names = palette.names(table["solver"])
     order = solver_order(list(names))[::-1]
     placed = table.assign(
@@ -125,6 +130,7 @@ def _picture(table: pd.DataFrame, palette: Palette) -> Picture:
     panels = {side: rows for side, rows in placed.groupby("side") if len(rows)}
 
     def dress(ax: Axes, rows: pd.DataFrame) -> None:
+        """Ring false claims, draw the limit, and name the axes."""
         false = rows[rows["false_claim"]]
         ax.plot(false["x"], false["y"], "o", color=VERMILION, markersize=7, markerfacecolor="none")
         mark_limit(ax, -math.log10(ARRIVES))

@@ -1,6 +1,6 @@
 """Maps of kinds: one colour per kind of result.
 
-Every topic that has a map draws it alike.
+All topics with a map draw it by these functions.
 """
 
 from __future__ import annotations
@@ -26,10 +26,11 @@ def kind_maps(
     high: float,
     narrow: bool,
 ) -> Figure:
-    """A map for each title, with a common legend.
+    """Draw maps with titles and a common legend.
 
-    The maps stand side by side, or one below the other if `narrow`. `dress` adds to a map; a map
-    is `high` inches high. Columns of each table: those of `draw_kinds`.
+    `panels` maps a title to its table, with the columns of `draw_kinds`. The maps stand side by
+    side, or one below the other if `narrow`. Each map is `high` inches high. `dress(ax, table)` is
+    called after a map is drawn, to add labels and lines.
     """
     down = 1
     across = len(panels)
@@ -73,10 +74,10 @@ def draw_kinds(ax: Axes, table: pd.DataFrame, marks: Sequence[Mark]) -> None:
 
 
 def grid_of(table: pd.DataFrame, column: str) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Grid of a column: x, y and its values.
+    """A column on a grid: x, y and values.
 
-    x has shape (n,), y (m,), the values (m, n); NaN where there is none. Columns: x, y and the
-    column; of several rows at one place the first counts.
+    x has shape (n,), y has (m,), and the values have (m, n), with NaN where no row is. The table
+    has the columns x and y; of several rows at one place the first counts.
     """
     grid = table.drop_duplicates(["x", "y"]).pivot(index="y", columns="x", values=column)
     x = grid.columns.to_numpy(dtype=np.float64)
@@ -85,9 +86,10 @@ def grid_of(table: pd.DataFrame, column: str) -> tuple[FloatArray, FloatArray, F
 
 
 def _dots(mark: Mark) -> Style:
-    """A kind's marker, as keywords of matplotlib.
+    """Keywords of matplotlib for a kind's marker.
 
-    On its cells, or in the legend; without a marker a square with the cells' colour.
+    The marker is drawn on cells and in the legend. A kind without a marker has a square with the
+    cells' colour in the legend.
     """
     edge = {"markeredgecolor": ON_MAP, "markeredgewidth": 0.7, "markersize": 4}
     face = {"linestyle": "none", "markerfacecolor": mark.colour}

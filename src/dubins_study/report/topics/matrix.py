@@ -1,6 +1,6 @@
 """The section on formulation by engine.
 
-It has the right answers of every pair, by stratum too.
+It has the share right of every pair, and the shares by stratum.
 """
 
 from __future__ import annotations
@@ -56,18 +56,21 @@ _NO_KIND = "other"
 
 
 def matrix(methods: pd.DataFrame, entries: Sequence[MatrixEntry]) -> pd.DataFrame:
-    """Every formulation with every engine.
+    """A frame with every formulation and every engine.
 
-    If there are no entries, only the pairs that have rows. A row per engine and formulation, in the
-    order of lines and columns: kind (of the engine), the columns of the pair's best method, filled
-    (whether there is one), few (whether it was asked less than half as many questions as others),
-    reason (empty if filled) and note (the reason's number from 1, 0 if filled).
+    `methods` is the frame of `solver_summary`. `entries` are the pairs that the manifests name;
+    without them only pairs that have rows are there. A row is an engine with a formulation, in the
+    order of lines and columns. Columns: kind (of the engine); those of the pair's best method;
+    filled (whether there is one); few (whether it was asked less than half as many questions as
+    others); reason (why the pair has no rows; empty if filled); note (the reason's number from 1; 0
+    if filled).
     """
     engines = methods[(methods["formulation"] != _FORMULA) & (methods["right_of"] > 0)]
     most = engines.groupby(["engine", "formulation"])["right_of"].transform("max")
     whole = engines[2 * engines["right_of"] > most]  # without methods asked a sample only
     best = best_methods(whole, ["engine", "formulation"]).assign(filled=True)
     usable = [entry for entry in entries if entry.formulation != _FORMULA]
+    # An engine of the kind `exact` has a line only if it has rows.
     with_rows = set(best["engine"])
     readable = {entry.engine for entry in usable if entry.kind != "exact"} | with_rows
     usable = [entry for entry in usable if entry.engine in readable]
@@ -88,9 +91,10 @@ def matrix(methods: pd.DataFrame, entries: Sequence[MatrixEntry]) -> pd.DataFram
 
 
 def _engines(entries: Sequence[MatrixEntry], best: pd.DataFrame) -> list[tuple[str, str]]:
-    """Pairs (kind, engine), sorted by kind.
+    """Pairs (kind, engine) in the map's order.
 
-    Kinds are in the order of entries; engines that no entry names come last.
+    Plug-ins come first. Then the kinds follow in the order of the entries. Engines that no entry
+    names come last.
     """
     kind_of: dict[str, str] = {}
     for entry in entries:
@@ -109,9 +113,9 @@ def _engines(entries: Sequence[MatrixEntry], best: pd.DataFrame) -> list[tuple[s
 
 
 def strata(rows: pd.DataFrame) -> pd.DataFrame:
-    """Shares right by solver and stratum.
+    """The share right of each solver in each stratum.
 
-    The questions have a path.
+    Only questions that have a path count. Columns: solver, stratum, and those of `scenario_shares`.
     """
     answerable = rows[rows["answerable"]]
     answerable = answerable.assign(
@@ -122,9 +126,9 @@ def strata(rows: pd.DataFrame) -> pd.DataFrame:
 
 
 def _stratum_table(results: Results, methods: pd.DataFrame, shares: pd.DataFrame) -> Table | None:
-    """Table of `strata`, a line per method.
+    """The table of shares by stratum, or None.
 
-    None if there is one stratum.
+    It has a line per method. `shares` is the frame of `strata`. None if there is only one stratum.
     """
     names = stratum_order(results, shares["stratum"])
     if len(names) < 2:
@@ -157,10 +161,11 @@ _DARK = 0.5
 
 
 def plot_matrix(ax: Axes, cells: pd.DataFrame, size: float) -> None:
-    """Draw shares right, engines by formulations.
+    """Draw a map of shares right, engines by formulations.
 
-    Shares are in percent, in letters of a size (pt). A star follows the share of a method that was
-    asked fewer questions than others; a pair without rows has the number of its reason.
+    `cells` is the frame of `matrix`. Shares are in percent, and `size` is that of the letters (pt).
+    A star follows the share of a method that was asked fewer questions than others. A pair without
+    rows has the number of its reason.
     """
     engines = cells.drop_duplicates("engine")
     names = cells["formulation"].unique().tolist()
@@ -226,9 +231,9 @@ def plot_matrix(ax: Axes, cells: pd.DataFrame, size: float) -> None:
 
 
 def matrix_section(results: Results) -> Section | None:
-    """The section's picture and its tables.
+    """The section on formulation by engine.
 
-    Formulation by engine, why pairs have no row, and the shares by stratum.
+    It has the map, the reasons why pairs have no row, and the shares by stratum.
     """
     attempts = results.attempts
     methods = solver_summary(attempts)
@@ -292,6 +297,7 @@ def _figure(cells: pd.DataFrame, height: float, *, narrow: bool) -> Figure:
 
 
 def _reasons(cells: pd.DataFrame) -> Table:
+    """The table of the numbered reasons."""
     noted = cells[cells["note"] > 0].groupby("note")["reason"]
     frame = noted.agg(reason="first", pairs="size").reset_index()
     frame["note"] = [f"[{number}]" for number in frame["note"]]

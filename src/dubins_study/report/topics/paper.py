@@ -1,6 +1,6 @@
 """The paper's tables beside the exact numbers.
 
-The module also finds the paths that solvers return for the paper's words.
+`word_paths` also finds the paths that a solver returned for the paper's words.
 """
 
 from __future__ import annotations
@@ -26,9 +26,9 @@ from dubins_study.study.path import Path
 
 
 def word_paths(results: Results, solver: str) -> dict[tuple[str, str], Path]:
-    """Map (label, LS or RS) to a solver's path.
+    """Map (label, word) to a solver's path.
 
-    The path is that of the solver's first attempt at each of the paper's words.
+    The word is LS or RS. The path is that of the first attempt that arrives.
     """
     rows = results.rows
     arrived = (rows["solver"] == solver) & rows["branch"].isin(["LS", "RS"]) & rows["gap"].notna()
@@ -41,10 +41,11 @@ def word_paths(results: Results, solver: str) -> dict[tuple[str, str], Path]:
 
 
 def side_by_side(cells: pd.DataFrame) -> pd.DataFrame:
-    """Printed and exact rows, one above the other.
+    """Printed and exact numbers, one row above the other.
 
-    Each printed row of the audit's cells gives two rows. Columns label, path, source (`paper` or
-    `exact`), and the text of each of `QUANTITIES`, missing if the path does not have it.
+    `cells` are those of the audit. A printed row gives two rows: `paper` and `exact` in the column
+    source. Other columns: label, path, and a text for each of `QUANTITIES`, missing if the path
+    does not have it. A printed number that is no correct rounding is followed by ✗.
     """
     rows = []
     for (label, path), row in cells.groupby(["label", "path"], sort=False):
@@ -57,9 +58,9 @@ def side_by_side(cells: pd.DataFrame) -> pd.DataFrame:
 
 
 def _exact_text(exact: str) -> str:
-    """Write a length with seven decimals.
+    """A length with seven decimals.
 
-    With six, 1.73499986 is 1.735000, which looks as if 1.74 were right.
+    With six, 1.73499986 would be 1.735000, which looks as if 1.74 were right.
     """
     return f"{float(exact):.7f}"
 
@@ -74,7 +75,7 @@ _TITLES = {
 
 
 def paper_section(results: Results) -> Section | None:
-    """Tables 6.1-6.5 cell by cell."""
+    """The section with Tables 6.1-6.5, cell by cell."""
     if not word_paths(results, EXACT):
         return None
     cells = pd.DataFrame(committed()["cells"])
@@ -93,6 +94,7 @@ def paper_section(results: Results) -> Section | None:
 
 
 def _side_by_side(cells: pd.DataFrame, number: str) -> Table:
+    """The table for the paper's table of this number."""
     frame = side_by_side(cells[cells["table"] == number])
     wrong = frame[list(QUANTITIES)].map(lambda text: "✗" in str(text))
     shown = (

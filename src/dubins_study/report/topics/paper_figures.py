@@ -1,7 +1,4 @@
-"""The paper's Figures 6.1-6.5.
-
-Drawn again from the paths in the rows.
-"""
+"""The paper's Figures 6.1-6.5, drawn from the rows' paths."""
 
 from __future__ import annotations
 
@@ -44,8 +41,9 @@ def plot_paths(
 ) -> None:
     """Draw up to three paths of a scenario.
 
-    Their names are in a legend above the panel. Both turning circles of the start, of the
-    scenario's radius or of several, the start's arrow and the target are drawn too.
+    `paths` maps an entry of the legend to its path; the legend stands above the panel. Further
+    there are the start's arrow, the target, and both turning circles of the start. The circles have
+    the radii `radii`, or the scenario's radius if there are none.
     """
     for (text, path), colour, line in zip(paths.items(), _COLOURS, LINES, strict=False):
         points, _ = outline(path)
@@ -69,10 +67,10 @@ def draw_turning_circle(ax: Axes, centre: tuple[float, float], radius: float) ->
 def plot_start_and_target(
     ax: Axes, start: Pose, target: tuple[float, float], final_heading: float | None = None
 ) -> None:
-    """Draw the start with an arrow, and the target.
+    """Draw the start and the target of a path.
 
-    The arrow is a ninth as long as the present drawing; the target is a ring. The arrow of a final
-    heading begins at the target.
+    The start has an arrow, a ninth as long as what is drawn already; the target is a ring. If there
+    is a final heading, a second arrow begins at the target.
     """
     reach = max(ax.dataLim.size) / 9
     head = {"arrowstyle": "-|>", "color": INK, "linewidth": 1.0, "shrinkA": 0, "shrinkB": 0}
@@ -87,7 +85,7 @@ def plot_start_and_target(
 
 
 def figures_section(results: Results) -> Section | None:
-    """Figures 6.1-6.5, redrawn from the paths in the rows."""
+    """The section with Figures 6.1-6.5."""
     paths_of_words = word_paths(results, EXACT)
     if not paths_of_words:
         return None

@@ -39,10 +39,11 @@ ANSWERS = (
 
 
 def exact_answers(rows: pd.DataFrame) -> pd.DataFrame:
-    """Shortest words and lengths on a dense grid.
+    """The shortest word and length on a dense grid.
 
-    The grid covers the closed form's targets in the rows; empty if these are no grid. Columns: x
-    and y (of the target), kind (the shortest word), length, inside (a turning circle).
+    The grid covers the closed form's targets in the rows; the frame is empty if these are no grid.
+    Columns: x and y (of the target), kind (the shortest word), length, inside (whether the target
+    is in a turning circle).
     """
     exact = rows[rows["solver"] == EXACT]
     xs = exact["target_x"].unique()
@@ -80,10 +81,9 @@ def _draw_circles(ax: Axes, _: pd.DataFrame) -> None:
 
 
 def plot_lengths(ax: Axes, table: pd.DataFrame) -> None:
-    """Draw the shortest length with contours.
+    """Draw the shortest length by colour and contours.
 
-    The contours break where the length jumps. Columns: x and y (on a grid), length, inside (a
-    turning circle).
+    The contours break where the length jumps. `table` is that of `exact_answers`.
     """
     x, y, length = grid_of(table, "length")
     inside = grid_of(table, "inside")[2] > 0.5
@@ -101,7 +101,7 @@ def plot_lengths(ax: Axes, table: pd.DataFrame) -> None:
 
 
 def _exact_pictures(exact: pd.DataFrame) -> list[Picture]:
-    """Maps of the shortest words and lengths."""
+    """Maps of the shortest words, and of the lengths."""
     words = kind_maps({"": exact}, WORDS, _draw_circles, high=3.5, narrow=True)
     lengths = picture(
         "plane-lengths",
@@ -120,9 +120,9 @@ def _exact_pictures(exact: pd.DataFrame) -> list[Picture]:
 
 
 def _solver_picture(number: int, targets: pd.DataFrame, name: str) -> Picture:
-    """Map of one solver's right and wrong answers.
+    """A map of one solver's right and wrong answers.
 
-    The legend has the number of each wrong verdict.
+    The legend has the number of each wrong verdict. `number` is a part of the file's name.
     """
     right = success(targets)
     kinds = targets["verdict"].mask(right, "right")
@@ -136,9 +136,10 @@ def _solver_picture(number: int, targets: pd.DataFrame, name: str) -> Picture:
 
 
 def plane_section(results: Results) -> Section | None:
-    """Maps of words, of lengths and of wrong answers.
+    """The section with maps of the target plane.
 
-    Wrong answers are those of the solvers on a coarse grid.
+    They show the shortest words, the shortest lengths, and the wrong answers of each solver on a
+    coarse grid.
     """
     rows = results.rows[results.rows["branch"] == "best"]
     exact = exact_answers(rows)

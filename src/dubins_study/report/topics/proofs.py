@@ -1,6 +1,6 @@
 """Proofs of routes by branch and bound.
 
-Which close within which limit, and what gap is left open.
+A table has the share that each solver closes within each limit, and the gap that it leaves open.
 """
 
 from __future__ import annotations
@@ -21,12 +21,12 @@ _PROVING = "disjunction"  # the formulation of routes whose engines prove a boun
 
 
 def by_limit(rows: pd.DataFrame) -> pd.DataFrame:
-    """One row per solver, size and time limit.
+    """Shares closed and gaps of bounds by limit.
 
-    The size is the number of legs. Columns solver, legs, limit_s; those of `with_share` for closed
-    (its path is proved to be shortest in time, and is); bound_gap, the median of how far the
-    solver's bound lies below the shortest length, relative to that (1 without a bound); wall_s, the
-    median time.
+    One row per solver, number of legs and time limit. Columns: solver, legs, limit_s; those of
+    `with_share` for closed (the solver proves in time that its path is shortest, and it is);
+    bound_gap (median of how far the solver's bound lies below the shortest length, relative to
+    that; 1 without a bound); wall_s (median time, s).
     """
     high = rows["reference_high"]
     below = ((high - rows["lower_bound"]) / high).clip(lower=0.0).fillna(1.0)
@@ -42,7 +42,7 @@ def by_limit(rows: pd.DataFrame) -> pd.DataFrame:
 
 
 def proofs_section(results: Results) -> Section | None:
-    """What branch and bound proves of routes, by limit."""
+    """The section on proofs of routes."""
     rows = results.rows
     rows = rows[rows["formulation"].eq(_PROVING) & rows["limit_s"].notna()]
     if rows.empty:

@@ -1,6 +1,6 @@
-"""The radius sweep: length and word against radius.
+"""Two sections on sweeps of the radius.
 
-The module also has the time that a warm start saves.
+One has the length and word against the radius, the other the time that a warm start saves.
 """
 
 from __future__ import annotations
@@ -49,9 +49,9 @@ WARM_COLUMNS = (
 
 
 def sweep_rows(rows: pd.DataFrame) -> dict[tuple[str, str], pd.DataFrame]:
-    """Map (experiment, label) to the rows of a sweep.
+    """The rows of each sweep: (experiment, label) -> rows.
 
-    A sweep is a label with one start and target at many radii.
+    A sweep is a label with one start and one target at `_FEWEST_RADII` radii or more.
     """
     best = rows[rows["branch"] == "best"]
     sweeps = {}
@@ -65,7 +65,8 @@ def sweep_rows(rows: pd.DataFrame) -> dict[tuple[str, str], pd.DataFrame]:
 def shortest_lengths(rows: pd.DataFrame) -> pd.DataFrame:
     """The shortest length at each radius of a sweep.
 
-    Radii rise; the closed form's `length` if there is one.
+    A row per radius, in rising order. The column `length` is the closed form's length, or else the
+    reference.
     """
     judged = rows[rows["reference_word"].notna()].sort_values("radius").drop_duplicates("radius")
     exact = rows[rows["solver"] == EXACT].drop_duplicates("radius").set_index("radius")["length"]
@@ -75,9 +76,9 @@ def shortest_lengths(rows: pd.DataFrame) -> pd.DataFrame:
 
 
 def visibly_wrong(rows: pd.DataFrame) -> pd.DataFrame:
-    """Answers that are visibly longer, or do not arrive.
+    """The answers visibly longer, or without arrival.
 
-    They do not lie on the line of the shortest lengths.
+    In the figure they do not lie on the line of the shortest lengths.
     """
     return rows[~rows["verdict"].isin(SUCCESSES) & ~(rows["gap"] <= VISIBLE)]
 
@@ -88,7 +89,7 @@ def _place(rows: pd.DataFrame) -> dict[str, float]:
 
 
 def radius_section(results: Results) -> Section | None:
-    """One figure per sweep."""
+    """The section with one figure per sweep."""
     sweeps = sweep_rows(results.rows)
     if not sweeps:
         return None
@@ -126,9 +127,10 @@ def radius_section(results: Results) -> Section | None:
 
 
 def _draw_sweep(ax: Axes, rows: pd.DataFrame, circle: float, palette: Palette) -> None:
-    """Draw one sweep.
+    """Draw one sweep on the axes.
 
-    The shortest length over radius, its words and R*, and every answer visibly wrong.
+    There are the shortest length over the radius, its words, the radius R* (`circle`), and every
+    answer that is visibly wrong.
     """
     references = shortest_lengths(rows)
     wrong = visibly_wrong(rows)
@@ -167,6 +169,7 @@ def _draw_shortest(ax: Axes, references: pd.DataFrame) -> None:
     """
     radii = references["radius"].to_numpy()
     lengths = references["length"].to_numpy()
+    # the two ends, and between them the geometric mean of each two neighbouring radii
     edges = np.sqrt(np.append(radii[0], radii) * np.append(radii, radii[-1]))
     above = ax.get_xaxis_transform()
     words = references["reference_word"].to_numpy()
@@ -182,7 +185,10 @@ def _draw_shortest(ax: Axes, references: pd.DataFrame) -> None:
 
 
 def _draw_words(ax: Axes, place: dict[str, float], radii: pd.Series[float]) -> None:
-    """Draw lengths of the paper's words where they exist."""
+    """Draw the lengths of the words LS and RS.
+
+    A line breaks where its word does not exist.
+    """
     dense = np.geomspace(radii.min(), radii.max(), 300)
     for word, line in _WORD_LINE.items():
         totals = np.full(dense.shape, np.nan)
@@ -194,9 +200,9 @@ def _draw_words(ax: Axes, place: dict[str, float], radii: pd.Series[float]) -> N
 
 
 def _draw_wrong(ax: Axes, wrong: pd.DataFrame, palette: Palette) -> None:
-    """Draw visibly wrong answers.
+    """Draw visibly wrong answers as open marks.
 
-    Those that do not arrive are crosses at the foot.
+    Answers that do not arrive are crosses at the foot.
     """
     names = palette.names(wrong["solver"])
     for solver, look in palette.looks(wrong["solver"]).items():
@@ -214,10 +220,12 @@ def _draw_wrong(ax: Axes, wrong: pd.DataFrame, palette: Palette) -> None:
 
 
 def warm_starts(rows: pd.DataFrame) -> pd.DataFrame:
-    """Cold against warm starts, by solver.
+    """Cold and warm starts compared, one row per solver.
 
-    One row per solver that has both for the same questions. A ratio is the median over questions,
-    NaN where iterations are not counted; a success is a share of all attempts.
+    A solver has a row if it has both for the same questions. Columns: solver; questions; cold_s and
+    warm_s (median times, s); cold_success and warm_success (shares of all attempts); ratio (warm /
+    cold of times) and work (of iterations). These two are medians over questions, NaN where nothing
+    is counted.
     """
     attempts = rows.assign(success=success(rows).astype(float))
     attempts["iterations"] = attempts["iterations"].astype(float)
@@ -242,7 +250,7 @@ def warm_starts(rows: pd.DataFrame) -> pd.DataFrame:
 
 
 def warm_section(results: Results) -> Section | None:
-    """Times, iterations and success, cold and warm."""
+    """The section on cold and warm starts."""
     table = in_page_order(warm_starts(results.rows), results)
     if table.empty:
         return None

@@ -1,6 +1,6 @@
-"""Routes: who finds the shortest as legs increase.
+"""The section on routes; the drawing of one route.
 
-The module also draws one route.
+The section shows who finds the shortest route as the number of legs increases.
 """
 
 from __future__ import annotations
@@ -85,12 +85,12 @@ def with_legs(rows: pd.DataFrame) -> pd.DataFrame:
 
 
 def by_size(rows: pd.DataFrame, size: str = "legs", success: str = "right") -> pd.DataFrame:
-    """Successes and times by size.
+    """Successes, gaps and times of each solver by size.
 
-    One row per solver, stratum and size, such as the number of legs. Columns solver, label and the
-    size; those of `scenario_shares`, without open routes; left_open (their number); gap (median
-    over attempts, infinite if most do not arrive; of an open route an upper bound); wall_s (median
-    of all attempts).
+    One row per solver, stratum and size; the size is a column such as the number of legs. Columns:
+    solver, label and the size; those of `scenario_shares`, without open routes; left_open (number
+    of open routes); gap (median over attempts, infinite if most do not arrive; of an open route an
+    upper bound); wall_s (median of all attempts, s).
     """
     cell = ["solver", "label", size]
     groups = rows.fillna({"gap": np.inf}).groupby(cell)
@@ -104,7 +104,10 @@ def by_size(rows: pd.DataFrame, size: str = "legs", success: str = "right") -> p
 
 
 def routes_section(results: Results) -> Section | None:
-    """Success and gap by legs and spacing, and times."""
+    """The section on routes.
+
+    It has success and gap by legs and spacing, and times.
+    """
     if results.rows.empty:
         return None
     rows = with_legs(results.rows)
@@ -128,11 +131,12 @@ _TIMES = np.geomspace(1e-4, 1e2, 121)  # s, twenty to a decade
 
 
 def data_profiles(rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
-    """Data profiles, one table per target.
+    """Data profiles: title of a panel -> table.
 
-    Shares of the questions reached within a time (s), the best solver first. Reached: an answer in
-    time whose proven gap is at most the target. Of an open route the gap is an upper bound. (Moré
-    and Wild 2009, SIAM J. Optim. 20, with targets of the truth.)
+    There is a panel for each of `TARGETS`. A table has a row per time (s) and a column per solver,
+    the best first. A value is the share of attempts that reached the target within the time.
+    Reached is an answer in time whose proven gap is at most the target. Of an open route the gap is
+    an upper bound. (Moré and Wild 2009, SIAM J. Optim. 20, with targets of the truth.)
     """
     in_time = rows["wall_s"].mask(is_true(rows["late"]))
     panels = {}
@@ -149,7 +153,7 @@ def data_profiles(rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
 
 
 def _profiles(rows: pd.DataFrame, results: Results, timed: set[str]) -> Picture:
-    """Data profiles of the timed methods."""
+    """The picture of data profiles of the timed methods."""
     # a sample of easier routes would look better than the whole
     routes_asked = rows.groupby("solver", observed=True)["scenario_id"].nunique()
     whole = routes_asked.index[routes_asked >= ENOUGH_ASKED * routes_asked.max()]
@@ -175,7 +179,7 @@ def _profiles(rows: pd.DataFrame, results: Results, timed: set[str]) -> Picture:
 def _text(rows: pd.DataFrame) -> str:
     """The section's text.
 
-    How many routes are open, and how many attempts the search proves.
+    It says how many routes are open, and how many attempts the search proves.
     """
     routes = rows.groupby("scenario_id")["left_open"].any()
     left_open = ""
@@ -207,10 +211,10 @@ _GDIP_TOLERANCE = 1e-5
 
 
 def second_opinion(rows: pd.DataFrame) -> str:
-    """Check the reference against an independent program.
+    """A sentence that compares an independent program's bounds.
 
-    A sentence on its bounds; empty where it has none. The file `gdip.csv` has the bounds, and how
-    they were made.
+    The bounds are in the file `gdip.csv`, which also says how they were made. The text is empty if
+    it has no bound of these routes.
     """
     proven = rows.dropna(subset=["reference_high"]).drop_duplicates("scenario_id")
     with (files(__package__) / "gdip.csv").open(encoding="utf-8") as file:
@@ -228,9 +232,9 @@ def second_opinion(rows: pd.DataFrame) -> str:
 
 
 def _timed(engines: pd.DataFrame) -> set[str]:
-    """The methods whose times are drawn.
+    """The solvers whose times are drawn.
 
-    They are plug-ins', the search and the best of each formulation.
+    They are those of plug-ins, the search, and the best method of each formulation.
     """
     return {*own(engines["solver"]), EXACT, *best_methods(engines, ["formulation"])["solver"]}
 
@@ -244,7 +248,9 @@ def _picture(
 ) -> Picture:
     """The picture of success, gap and time.
 
-    A map for each stratum, and below it the times of some methods.
+    It has a map for each stratum, and below it the times of some methods. `engines` is the frame of
+    `solver_summary` without the search. Of more than `_LINES` solvers only the best supported are
+    shown.
     """
     if cells["solver"].nunique() > _LINES:
         guess_of = results.rows.groupby("solver", observed=True)["guesses"].first()
@@ -268,9 +274,10 @@ def _picture(
 
 
 def palette_of(results: Results, labels: Mapping[str, str]) -> Palette:
-    """The page's palette with distinct names.
+    """The page's palette with other names of solvers.
 
-    The names tell the methods of these results apart.
+    `labels` tell the methods of these results apart, and the closed form is called the search with
+    a proof.
     """
     with_search = {**labels, EXACT: "search with a proof"}
     return replace(Palette.of_page(results), labels=with_search)
@@ -279,7 +286,7 @@ def palette_of(results: Results, labels: Mapping[str, str]) -> Palette:
 def usual_limit(rows: pd.DataFrame) -> float:
     """The largest usual time limit (s).
 
-    A limit of a sample only is not usual; NaN if no limit is stated.
+    A limit that only a sample of the rows has is not usual. NaN if no limit is stated.
     """
     return float(rows["limit_s"].quantile(_ALL_BUT_SAMPLES, interpolation="lower"))
 
@@ -295,11 +302,11 @@ def plot_sizes(
     gaps: Mapping[float, Mark] = GAPS,
     narrow: bool,
 ) -> Figure:
-    """Draw maps of success, and times, by stratum.
+    """Draw maps of success, and times below, by stratum.
 
-    The strata stand side by side unless `narrow`. Below each map are the times of some solvers.
-    `cells` is the table of `by_size`, `timed` are the solvers with a time; `limit` is in s, NaN if
-    there is none. `gaps` has the classes of gaps by the largest gap of each.
+    The strata stand side by side, or one below the other if `narrow`. `cells` is the table of
+    `by_size`, and `timed` are the solvers whose times are drawn. `limit` is in s, NaN if there is
+    none. `gaps` maps the largest gap of each class to the mark of the class.
     """
     number = len(strata)
     solvers = list(dict.fromkeys(cells["solver"]))
@@ -364,10 +371,10 @@ def plot_success(
     size: str,
     gaps: Mapping[float, Mark],
 ) -> None:
-    """Draw a map of success.
+    """Draw a map of success for one stratum.
 
-    It has a line for each solver, the first on top, and a column for each size. Columns: those of
-    `by_size`, of one stratum.
+    It has a line for each solver, the first on top, and a column for each size. `cells` are rows of
+    `by_size`.
     """
     sizes = sorted(cells[size].unique())
     marks = [*gaps.values()]
@@ -398,9 +405,10 @@ def plot_success(
 
 
 def _cell_text(cell: dict[Hashable, Any]) -> str:
-    """The share right: of few questions a fraction, else per cent.
+    """The share right as the text of a cell.
 
-    A question mark follows if some are open.
+    Few questions give a fraction (`5/6`), others per cent (`85`). A question mark follows if some
+    questions are open.
     """
     left_open = ""
     if cell["left_open"]:
@@ -417,8 +425,8 @@ def plot_times(
 ) -> dict[str, Line2D]:
     """Draw median times (s) over the size.
 
-    A line for each solver; both axes logarithmic. Columns: those of `by_size`, of one stratum.
-    Returns the lines, by solver.
+    There is a line for each solver, and both axes are logarithmic. `cells` are rows of `by_size`,
+    of one stratum. The lines come back by solver.
     """
     lines = {}
     for solver, rows in cells.groupby("solver", sort=False):
@@ -438,15 +446,16 @@ def plot_times(
 
 
 def size_axes(ax: Axes, sizes: pd.Series[int], times: pd.Series[float]) -> None:
-    """Set logarithmic axes of times (s) over sizes.
+    """Make both axes logarithmic: times (s) over sizes.
 
-    If sizes are close together, only some have names.
+    Where sizes are close together, only some have a label.
     """
     ax.set_xscale("log")
     if (times > 0).any():
         ax.set_yscale("log")
         log_axis(ax.yaxis, "s")
     ticks = sorted(sizes.unique())
+    # A size has a label if it is at least `_APART` times the last one that has.
     names: dict[float, str] = {}
     last = 0
     for size in ticks:
@@ -482,14 +491,15 @@ _TURNS: dict[str, tuple[str, dict[str, Any]]] = {
 
 
 def _unit(step: FloatArray) -> FloatArray:
+    """The unit vector in the direction of a step."""
     direction: FloatArray = step / np.hypot(*step)
     return direction
 
 
 def _points_per_unit(ax: Axes) -> float:
-    """Size of a length unit on the paper (pt).
+    """Points (pt) on paper for a length unit.
 
-    The scales are equal, and a route has its margins.
+    Both axes have this scale, and a margin is left around the drawing.
     """
     sizes = [np.ptp(box.get_points(), axis=0) for box in (ax.bbox, ax.dataLim)]
     unit = sizes[0] / np.maximum(sizes[1], 1e-300) / (1 + 2 * _MARGIN)
@@ -497,9 +507,10 @@ def _points_per_unit(ax: Axes) -> float:
 
 
 def _runs(points: FloatArray, inside: BoolArray) -> FloatArray:
-    """Points of the parts that are inside.
+    """The points of the inside parts, for one line.
 
-    The shape is (m, 2), with a row of NaN between two runs of parts.
+    `points` are the ends of the parts in order, and `inside` is a mask of the parts. The result has
+    the shape (m, 2), with a row of NaN between two runs of parts, where the line breaks.
     """
     parts = np.flatnonzero(inside)
     ends = points[np.column_stack((parts, parts + 1)).ravel()]
@@ -507,10 +518,11 @@ def _runs(points: FloatArray, inside: BoolArray) -> FloatArray:
 
 
 def _texts(scenario: Scenario, order: Sequence[int], names: Sequence[str]) -> list[str]:
-    """Texts beside the start and the stops.
+    """The texts beside the start and the stops.
 
-    They are in the order of visits. Via points have numbers, if there are many every tenth; the
-    target has none. If points are few, names follow.
+    They are in the order of visits: first the start's, then one for each place in `order`. Via
+    points have numbers; if there are many, only every tenth. The target has none. If points are
+    few, their names follow the numbers.
     """
     last = len(order)
     step = 10 ** max(math.ceil(math.log10(last / _MOST_NUMBERS)), 0)
@@ -528,12 +540,12 @@ def _texts(scenario: Scenario, order: Sequence[int], names: Sequence[str]) -> li
 def _write(
     ax: Axes, points: FloatArray, texts: Sequence[str], unit: float, along: FloatArray
 ) -> None:
-    """Write texts beside points.
+    """Write texts beside points, without overlaps.
 
-    Each at the best of eight places around its point. The best place crosses no piece of the path
-    and no edge of the plot, and lies outside the bend of the path. A text that would overlap an
-    earlier one at each place loses its name, or is left out. `unit` is the size of a length unit
-    (pt); `along` are places on the path and the arrows, shape (m, 2).
+    Each text stands at the best of eight places around its point. The best place crosses no piece
+    of the path and no edge of the plot, and lies outside the bend of the path. A text that would
+    overlap an earlier one at each place loses its name, or is left out. `unit` is the size of a
+    length unit (pt). `along` are places on the path and the arrows, shape (m, 2).
     """
     last = len(points) - 1
     dots = points
@@ -549,6 +561,7 @@ def _write(
         gap = 6.0  # beside the ring of the target
         if 0 < number < last:
             gap = 4.0
+        # The whole text is tried first, then its number alone.
         for label in filter(None, (text, text.partition(" ")[0])):
             size = np.array((_DIGIT * len(label) / 2, 4.5))
             lifts = _AROUND * gap + np.sign(_AROUND.round(9)) * size
@@ -560,6 +573,7 @@ def _write(
                 beyond = ((at - size < edge[0]) | (at + size > edge[1])).any(axis=1)
                 away = np.linalg.norm(unit * points - at[:, None], axis=2)
                 another = away.min(axis=1) < away[:, number] - 1e-6  # is nearer than its own
+                # The least cost wins. The last term prefers places out of the bend, by at most 1.
                 cost = 4 * crossed + 3 * beyond + 2 * another - _AROUND @ outside
                 best = int(np.where(free, cost, np.inf).argmin())
                 places = np.vstack((places, at[best]))
@@ -578,7 +592,10 @@ def _write(
 
 
 def _outside(points: FloatArray, number: int) -> FloatArray:
-    """The direction out of the path's bend."""
+    """The unit vector out of the path's bend.
+
+    The path bends at the point with the place `number` in `points`.
+    """
     point = points[number]
     outside = np.zeros(2)
     if number:
@@ -592,9 +609,10 @@ def _outside(points: FloatArray, number: int) -> FloatArray:
 
 
 def _legend_of_names(order: Sequence[int], names: Sequence[str]) -> str:
-    """The numbers of visits with their names.
+    """A text with numbers of visits and names.
 
-    They stand in lines below the plot, where names beside points would overlap.
+    The text stands below the plot, where names beside points would overlap. It is empty if the
+    points are so few that the names stand beside them, or too many.
     """
     named = [
         f"{number} {shortened(names[stop], _NAME_CHARS)}"
@@ -610,7 +628,7 @@ def _legend_of_names(order: Sequence[int], names: Sequence[str]) -> str:
 def _as_passed(path: Path, scenario: Scenario) -> list[int]:
     """The stops in the order of the path.
 
-    The numbers are their places in the scenario.
+    A number is a stop's place in the scenario.
     """
     via: Sequence[int] = range(len(scenario.via))
     if scenario.order is Order.FREE:
@@ -626,14 +644,14 @@ def plot_route(
     names: Sequence[str],
     status: str,
 ) -> None:
-    """Draw a path by its turns.
+    """Draw a path by its turns, with its points.
 
-    The via points and both poses of the scenario are drawn, too. `names` are those of the stops, in
-    the order of the scenario; `status` ends the title.
+    The points are the start, the via points and the target. `name` begins the title and `status`
+    ends it. `names` are those of the stops, in the order of the scenario.
 
-    Lines and points are thinner where points lie close, and of many points some have numbers.
-    Faint circles are those that the path drives on, for few points; arrows are headings, that at
-    the target only if it is given. The legend has the length and the kinds of pieces.
+    Lines and points are thinner where points lie close, and of many points some have numbers. Faint
+    circles are those that the path drives on, for few points; arrows are headings, that at the
+    target only if it is given. The legend has the length and the kinds of pieces.
     """
     if scenario.legs <= _MOST_CIRCLES:
         _draw_driven_circles(ax, path, scenario.radius)
@@ -684,16 +702,17 @@ def _draw_driven_circles(ax: Axes, path: Path, radius: float) -> None:
 
 
 def _draw_pieces(ax: Axes, path: Path, thin: float) -> list[Line2D]:
-    """Draw left turns, straights and right turns.
+    """Draw a path's left turns, straights and right turns.
 
-    Their lines have `thin` times their full width. Returns one line for each kind that the path
-    has.
+    `thin` times the full width is the width of their lines. One line comes back for each kind that
+    the path has.
     """
     poses, curvatures = outline(path)
     straight = RIPPLE * float(np.abs(path.curvatures).max(initial=0.0))
     sides = np.where(np.abs(curvatures) <= straight, 0, np.sign(curvatures)).astype(int)
     lines = []
     for letter, (kind, look) in _TURNS.items():
+        # sides: -1 right, 0 straight, 1 left
         runs = _runs(poses[:, :2], sides == "RSL".index(letter) - 1)
         if len(runs):
             thinned = look | {"linewidth": thin * look["linewidth"]}

@@ -1,6 +1,6 @@
 """Searches compared at equal numbers of evaluations.
 
-How many targets they reach, against the evaluations that they spend.
+The section shows how many targets they reach within a number of evaluations.
 """
 
 from __future__ import annotations
@@ -25,10 +25,10 @@ _A_DECADE = 8  # points of a curve
 
 
 def reached(row: dict[Hashable, Any]) -> FloatArray:
-    """Evaluations spent until each target is reached.
+    """The evaluations until each of `TARGETS` is reached.
 
-    A target is reached when the attempt's best path is within it; infinite if never. An attempt
-    without a trace counts with all its evaluations and the gap at its end.
+    A target is reached once the attempt's best path is within it; infinite if never. An attempt
+    without a trace counts with all its evaluations and the gap at its end. Shape (targets,).
     """
     if np.ndim(row["trace_evaluations"]) and len(row["trace_evaluations"]):
         spent = np.asarray(row["trace_evaluations"], np.float64)
@@ -38,6 +38,7 @@ def reached(row: dict[Hashable, Any]) -> FloatArray:
     else:
         spent = np.array([row["evaluations"]], np.float64)
         off = np.array([row["end_gap"]], np.float64)
+    # Rows are improvements, columns targets; argmax finds the first row within a target.
     within = off[:, None] <= TARGETS
     return np.where(within.any(axis=0), spent[within.argmax(axis=0)], np.inf)
 
@@ -45,9 +46,10 @@ def reached(row: dict[Hashable, Any]) -> FloatArray:
 def runtimes(rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
     """Shares of targets reached, by number of legs.
 
-    Shares of all targets, attempts and questions, within a number of evaluations. Indexed by
-    evaluations, a column per solver, the best first: empirical runtime distributions (Hansen,
-    Auger, Ros, Mersmann, Tusar and Brockhoff 2021, Optim. Methods Softw. 36).
+    The keys are titles such as `2 legs`. A table is indexed by evaluations and has a column per
+    solver, the best first. A value is the share of targets that are reached within this number of
+    evaluations, over all attempts and targets. The curves are empirical runtime distributions
+    (Hansen, Auger, Ros, Mersmann, Tusar and Brockhoff 2021, Optim. Methods Softw. 36).
     """
     rows = with_legs(rows).assign(end_gap=gaps(rows))
     most = max(10.0, float(rows["evaluations"].max()))
@@ -66,14 +68,14 @@ def runtimes(rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
 
 
 def _name(solver: str, engines: pd.Series[str]) -> str:
-    """The engine, and what it does after its end."""
+    """A solver's engine, restarts and options as text."""
     settings = parse_spec(solver)[1]
     restarts = "begun anew" if settings.get("restarts") == "True" else ""
     return ", ".join(filter(None, (engines[solver], restarts, settings.get("options", ""))))
 
 
 def searches_section(results: Results) -> Section | None:
-    """The curves, a panel for each number of legs."""
+    """The section with curves by number of legs."""
     rows = results.rows[results.rows["evaluations"].notna()]
     if rows.empty:
         return None

@@ -1,7 +1,8 @@
 """The section of single attempts.
 
-A plot to choose from, a path, and the worst attempts of each solver. The page embeds a sample as
-JSON: the worst attempts of each solver, and some of every stratum.
+It has a plot from which to choose an attempt, the attempt's path, and the worst attempts of each
+solver. The page embeds a sample as JSON: the worst attempts of each solver, and some of every
+stratum.
 """
 
 from __future__ import annotations
@@ -57,9 +58,10 @@ _PROBLEM = '<p class="bad" id="attempt-problem" role="status"></p>'
 
 
 def attempts_section(results: Results) -> Section | None:
-    """Single attempts, each embedded one as a point.
+    """The section on single attempts.
 
-    A point leads to its path and to the command for it.
+    Each embedded attempt is a point. The point leads to the attempt's path and to the command that
+    repeats it.
     """
     rows, content = _fitting(results)
     libraries = {name: _library(name) for name in ("bokeh", "bokeh-api")}
@@ -97,9 +99,10 @@ def _text(rows: pd.DataFrame, results: Results) -> str:
 
 
 def _fitting(results: Results) -> tuple[pd.DataFrame, bytes]:
-    """The largest sample that fits in `_MOST_BYTES`.
+    """The largest sample that fits, and its JSON.
 
-    If none fits, it is the smallest.
+    It fits if the compressed JSON has at most `_MOST_BYTES`. If none fits, the smallest sample
+    comes back.
     """
     for most in _SIZES:
         rows = sample(results, most)
@@ -110,9 +113,9 @@ def _fitting(results: Results) -> tuple[pd.DataFrame, bytes]:
 
 
 def _solvers(specs: Iterable[str], results: Results) -> list[dict[str, Any]]:
-    """Names and marks of the solvers.
+    """The names and marks of solvers.
 
-    Sorted by spec, as the packed attempts count them.
+    They are sorted by spec: the codes in the packed attempts are their places.
     """
     names = names_of(results)
     palette = Palette.of_page(results)
@@ -155,7 +158,7 @@ _LEVELS = {"longer": 3, "misses": 2, **dict.fromkeys((*SUCCESSES, PRESOLVED), 0)
 
 
 def sample(results: Results, most: int) -> pd.DataFrame:
-    """The worst attempts of each solver, and a sample.
+    """The worst attempts of each solver, and others.
 
     About `most` others are spread over the strata. A stratum is one solver's attempts in one region
     with one verdict. Of each stratum the first attempts by scenario are taken: a scenario's id is a
@@ -181,10 +184,10 @@ def sample(results: Results, most: int) -> pd.DataFrame:
 
 
 def _ranks(rows: pd.DataFrame) -> pd.Series[int]:
-    """Ranks of rows among their solver's worst.
+    """The rank of each row among the worst.
 
-    One row per question; 0 for the others. Only the first `WORST` have a rank, and none that is
-    right.
+    The rank is 1 for the worst, up to `WORST`, and 0 for all others. Answers that are right have
+    none, and a question has at most one row with a rank.
 
     The order, from the worst: a false claim, a longer path, a path that misses, no path.
     """
@@ -208,16 +211,23 @@ _CODED = [name for name in TEXTS if name not in (*_OF_SCENARIO, *names(METHOD))]
 
 
 def packed(rows: pd.DataFrame, more: Mapping[str, Any]) -> bytes:
-    """The attempts of `sample` as JSON.
+    """The attempts of `sample` as JSON, in bytes.
 
-    `count`; `texts` (column -> the texts that its numbers stand for, from 1; 0 is null); `columns`
-    (column -> a number each row; `scenario` is a place in `scenarios`); `scenarios` (columns, with
-    all digits; those of `ROUTE` where they are not empty); `paths` (`arcs_of`); and `more`.
+    Returns:
+        An object with these keys, and those of `more`:
+
+        count: number of attempts.
+        columns: column -> a number for each attempt. For a column of texts, the number is a place
+            in `texts`, from 1; 0 is null. For `scenario` it is a place in `scenarios`, from 0.
+        texts: column -> its distinct texts.
+        scenarios: column -> a value for each scenario, with all digits; columns of `ROUTE` only
+            where they are not empty.
+        paths: the arcs of each attempt (`arcs_of`).
     """
     texts: dict[str, list[str]] = {}
     columns: dict[str, list[Any]] = {}
     for name in _CODED:
-        codes, values = pd.factorize(rows[name], sort=True)
+        codes, values = pd.factorize(rows[name], sort=True)  # -1 for a missing text
         columns[name] = (codes + 1).tolist()
         texts[name] = [str(value) for value in values]
     for name in _MEASURED:
@@ -242,7 +252,7 @@ def packed(rows: pd.DataFrame, more: Mapping[str, Any]) -> bytes:
 def _rounded(value: Any, digits: int = _DIGITS) -> float | str | None:
     """A number rounded to its first digits.
 
-    JSON has no infinity: it is a text that JavaScript reads.
+    A missing number is None. JSON has no infinity: it becomes a text that JavaScript reads.
     """
     if pd.isna(value):
         return None
@@ -253,9 +263,10 @@ def _rounded(value: Any, digits: int = _DIGITS) -> float | str | None:
 
 
 def _scenarios(rows: pd.DataFrame) -> tuple[list[int], dict[str, list[Any]]]:
-    """Places of the rows' scenarios, and their table.
+    """The place of each row's scenario, and the scenarios.
 
-    The table of scenarios is by columns.
+    The places are in the order of the rows. The scenarios are a table: column -> a value for each
+    scenario.
     """
     key = ["scenario_id", *NUMBERS]
     optional = [
@@ -284,9 +295,9 @@ def _plain(value: Any) -> Any:
 def arcs_of(
     curvatures: Sequence[float] | None, lengths: Sequence[float], radius: float
 ) -> list[list[Any]] | None:
-    """Curvature and length of each arc.
+    """Pairs [curvature, length] of a path's arcs, in radii.
 
-    The unit is the turning radius; None without a path.
+    None without a path.
     """
     if curvatures is None or not len(curvatures):
         return None

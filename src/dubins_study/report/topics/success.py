@@ -1,4 +1,4 @@
-"""Shares right, and how exact the paths are.
+"""Shares of attempts within each gap, by experiment.
 
 Only questions that have a path count.
 """
@@ -32,9 +32,9 @@ _GAPS = np.geomspace(1e-16, 10.0, 171)  # points of a curve, ten to a decade
 
 
 def gap_shares(attempts: pd.DataFrame) -> pd.DataFrame:
-    """Shares of attempts within each gap.
+    """The share of attempts within each gap.
 
-    The questions have an answer. Rows are gaps, columns are solvers.
+    Rows are gaps, columns are solvers. Only questions that have an answer count.
     """
     ends = _GAPS * (1 + 1e-12)  # but for the rounding of the gaps
     groups = gaps(attempts).groupby(attempts["solver"])
@@ -46,7 +46,7 @@ def gap_shares(attempts: pd.DataFrame) -> pd.DataFrame:
 
 
 def success_section(results: Results) -> Section | None:
-    """Gap profiles."""
+    """The section with a gap profile for each experiment."""
     palette = Palette.of_page(results)
     pictures = []
     for name in sorted({run.name for run in results.folders}):
@@ -68,6 +68,10 @@ def success_section(results: Results) -> Section | None:
 def _profile_picture(
     experiment: str, attempts: pd.DataFrame, tolerance: float, palette: Palette
 ) -> Picture:
+    """The picture of one experiment's gap profile.
+
+    Of many solvers, only the best of each engine are drawn, with a panel per formulation.
+    """
     shares = gap_shares(attempts)
     caption = (
         f"Experiment {experiment}: share of attempts within each gap. Higher is more reliable, "

@@ -28,14 +28,20 @@ from dubins_study.study.words import Outcome
 
 
 def solver_summary(attempts: pd.DataFrame) -> pd.DataFrame:
-    """One row per solver with its counts.
+    """Counts, shares and times, one row per solver.
 
-    The counts are of verdicts, false claims, wrong basins and times, where a path exists. Solvers
-    that were asked no such question are left out, unless none was. The columns of `methods_of`, in
-    its order; attempts, questions, right (questions answered right), the attempts with each
-    verdict, those that are undecided (which are no attempts here), false_claims, wrong_basins,
-    not_returned (timeout, crashed, raised, ...), wall_s (median, s; missing if no attempt
-    returned), and those of `with_share` for right, a share of the questions.
+    Only questions that have a path count. Solvers that were asked no such question are left out,
+    unless none was.
+
+    Returns:
+        The columns of `methods_of`, in its order, and these:
+
+        attempts, questions, right: numbers of attempts, of questions, and of right ones of these.
+        One column for each of `VERDICTS`: attempts with this verdict.
+        undecided: attempts with this verdict, which `attempts` does not count.
+        false_claims, wrong_basins, not_returned (timeout, crashed, raised, ...): attempts.
+        wall_s: median time, s; missing if no attempt returned.
+        Those of `with_share` for right, a share of the questions.
     """
     solver = attempts["solver"]
     verdict = attempts["verdict"]
@@ -64,7 +70,10 @@ def solver_summary(attempts: pd.DataFrame) -> pd.DataFrame:
 
 
 def share_keys(*names: str) -> tuple[str, ...]:
-    """Numeric columns of `with_share`, for the CSV file."""
+    """The columns that `with_share` adds for names, as numbers.
+
+    `share_keys("right") -> ("right_share", "right_low", "right_high")`. The CSV file gets them.
+    """
     keys: list[str] = []
     for name in names:
         keys += [f"{name}_share", f"{name}_low", f"{name}_high"]
@@ -87,9 +96,9 @@ _NUMBERS = ("attempts", "questions", "optimal", *share_keys("right"))
 
 
 def summary_section(results: Results) -> Section | None:
-    """Verdicts and times, solver by solver.
+    """The section with verdicts and times, solver by solver.
 
-    The questions have a path.
+    Only questions that have a path count.
     """
     attempts = results.attempts
     frame = solver_summary(attempts)

@@ -1,6 +1,6 @@
-"""Quartiles of the times of attempts.
+"""The section on times: quartiles, by solver.
 
-The whole of an attempt; building and solving apart.
+A time is that of a whole attempt; building and solving are also shown apart.
 """
 
 from __future__ import annotations
@@ -34,11 +34,11 @@ _QUARTILES = ((0.25, "_q1"), (0.5, ""), (0.75, "_q3"))
 
 
 def solver_times(attempts: pd.DataFrame) -> pd.DataFrame:
-    """One row per solver with its times.
+    """Median and quartiles of times, one row per solver.
 
-    Of cold attempts at questions that have a path; solvers without such attempts are left out.
-    Columns: solver, timed (number of attempts), and of build_s, solve_s and wall_s the median (s),
-    lower quartile (`_q1`) and upper quartile (`_q3`).
+    Only cold attempts at questions that have a path count; solvers without such attempts are left
+    out. Columns: solver, timed (number of attempts), and the median (s) of build_s, solve_s and
+    wall_s, with the lower quartile (`_q1`) and the upper quartile (`_q3`).
     """
     cold = attempts[attempts["answerable"] & attempts["initial_guess"].eq("cold")]
     groups = cold.groupby("solver")
@@ -49,10 +49,11 @@ def solver_times(attempts: pd.DataFrame) -> pd.DataFrame:
 
 
 def time_section(results: Results) -> Section | None:
-    """Medians and quartiles; build and solve apart."""
+    """The section with medians and quartiles of times."""
     frame = in_page_order(solver_times(results.attempts), results)
     if frame.empty:
         return None
+    # `wall_s` is that of cold attempts, not of all as in the summary
     timed = solver_summary(results.attempts).drop(columns="wall_s").merge(frame, on="solver")
     caption = (
         "Quartiles and medians of the times of cold attempts at questions that have a path, "
@@ -75,7 +76,7 @@ def time_section(results: Results) -> Section | None:
 
 
 def _quartiles(table: pd.DataFrame, palette: Palette) -> Picture:
-    """The whole of an attempt, formulation by formulation."""
+    """The picture of whole attempts' times, by formulation."""
     caption = f"Time of one cold attempt: median (mark) and quartiles (bar). {DRAWN_TEXT}"
     alt = "Median times and quartiles, one line per method"
     label = "time of one attempt"
@@ -83,7 +84,7 @@ def _quartiles(table: pd.DataFrame, palette: Palette) -> Picture:
 
 
 def _distinct(numbers: pd.Series) -> str:
-    """Distinct whole numbers, in order."""
+    """Distinct whole numbers in order, as text."""
     return ", ".join(map(str, sorted(numbers.dropna().astype(int).unique())))
 
 

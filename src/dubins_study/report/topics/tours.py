@@ -1,6 +1,6 @@
-"""Tours: proofs by size, and the price of grids.
+"""The section on tours: proofs, and prices of grids.
 
-What is proved by size and density, and what a grid of headings costs.
+It shows what is proved by size and density, and what a grid of headings costs.
 """
 
 from __future__ import annotations
@@ -59,12 +59,12 @@ _WITHIN_S = (1, 10, 100)
 
 
 def with_points(rows: pd.DataFrame) -> pd.DataFrame:
-    """The rows with their points and gaps.
+    """The rows with four more columns.
 
-    Adds the columns points (their number), closes, own_gap and bound_gap. Closes: the tour is
-    proved to be shortest, or an engine has solved its own program to the optimum. Its own gap is
-    the gap that the engine left in that program; NaN without a tour. The bound's gap is how far the
-    solver's bound of the shortest length lies below it, relative to it; NaN without a bound.
+    points: the number of points. closes: whether the tour is proved to be shortest, or an engine
+    has solved its own program to the optimum. own_gap: the gap that the engine left in its own
+    program; NaN without a tour. bound_gap: how far the solver's bound lies below the shortest
+    length, relative to it; NaN without a bound.
     """
     points = legs_of(rows) - is_true(rows["closed"])
     solved = rows["native_status"].fillna("").str.lower().str.endswith(_OPTIMAL)
@@ -83,10 +83,10 @@ def with_points(rows: pd.DataFrame) -> pd.DataFrame:
 
 
 def by_points(rows: pd.DataFrame) -> pd.DataFrame:
-    """The table of `by_size` by number of points.
+    """The table of `by_size`, by the number of points.
 
-    Its successes are the questions closed, of those asked; 0 of 0 for a method that proves nothing.
-    The gap is an upper bound where the shortest length is not proved.
+    Its successes are the questions closed, its trials those asked; both are 0 for a method that
+    proves nothing. The gap is an upper bound where the shortest length is not proved.
     """
     cells = by_size(rows.assign(left_open=False), "points", "closes")
     proves = cells["solver"].isin(provers(rows))
@@ -95,15 +95,15 @@ def by_points(rows: pd.DataFrame) -> pd.DataFrame:
 
 
 def provers(rows: pd.DataFrame) -> set[str]:
-    """The solvers that prove anything."""
+    """The solvers that can prove an optimum."""
     proving = rows["solver"].eq(EXACT) | rows["formulation"].isin((*PROVING, _DISJUNCTION))
     return set(rows["solver"][proving])
 
 
 def asked_of_most(rows: pd.DataFrame) -> pd.DataFrame:
-    """The attempts at the questions asked of most solvers.
+    """The attempts at the questions that most solvers met.
 
-    These are all attempts, if all solvers met the same questions.
+    If all solvers met the same questions, all attempts come back.
     """
     solvers = rows.groupby("scenario_id")["solver"].transform("nunique")
     asked: pd.DataFrame = rows[solvers == solvers.max()]
@@ -111,10 +111,11 @@ def asked_of_most(rows: pd.DataFrame) -> pd.DataFrame:
 
 
 def closed_within(rows: pd.DataFrame) -> pd.DataFrame:
-    """Questions that each solver closes in time.
+    """How many questions each solver closes in time.
 
-    The times are 1, 10 and 100 s, and the limit is as long. Indexed by solver; columns `in_1_s`,
-    ..., texts such as `5/6`, missing of no questions.
+    The times are 1, 10 and 100 s. Only questions whose limit is at least as long count. Indexed by
+    solver; the columns `in_1_s`, `in_10_s` and `in_100_s` hold texts such as `5/6`, missing if
+    there are no questions.
     """
     columns = {}
     for limit in _WITHIN_S:
@@ -126,13 +127,14 @@ def closed_within(rows: pd.DataFrame) -> pd.DataFrame:
 
 
 def by_engine(rows: pd.DataFrame) -> pd.DataFrame:
-    """Medians of each solver's attempts.
+    """Medians of each solver's attempts, one row per solver.
 
-    One row per solver, with the questions that it closes. Columns solver; those of `with_share` for
-    closes; nodes (of attempts that count some); gap (infinite without an answer); own_gap (1
-    without a tour, NaN of solvers that report none); bound_gap (1 without a bound, NaN of solvers
-    that give none); false_bounds (their number); memory_mib; wall_s.
+    Columns: solver; those of `with_share` for closes; nodes (of attempts that count some); gap
+    (infinite without an answer); own_gap (1 without a tour, NaN of solvers that report none);
+    bound_gap (1 without a bound, NaN of solvers that give none); false_bounds (their number);
+    memory_mib; wall_s.
     """
+    # Of a solver that reports gaps, an attempt without one counts as 1: nothing is closed.
     reported = rows.groupby("solver")[["own_gap", "bound_gap"]].transform("count") > 0
     open_gaps = rows[["own_gap", "bound_gap"]].fillna(1.0).where(reported)
     counted = rows.assign(gap=rows["gap"].fillna(np.inf), **open_gaps)
@@ -147,12 +149,12 @@ def by_engine(rows: pd.DataFrame) -> pd.DataFrame:
 
 
 def against_proof(rows: pd.DataFrame, settings: dict[str, dict[str, Any]]) -> pd.DataFrame:
-    """Answers compared with proved tours.
+    """Answers to questions with a proved tour.
 
-    Each question with a proved tour has one answer of each kind. The kinds are the best tour of a
-    grid, by any engine that has proved it, and both orders by straight lines. Columns: those of the
-    rows; kind; other_order, whether it passes the points in another order than the proved tour. A
-    closed tour may be driven either way.
+    Each such question has at most one answer of each kind. Kinds are the best tour of a grid, by
+    any engine that has proved it, and both orders by straight lines. Columns: those of the rows;
+    kind; other_order (whether the answer passes the points in another order than the proved tour; a
+    closed tour may be driven either way).
     """
     proved = rows[rows["solver"].eq(EXACT) & rows["closes"]].drop_duplicates("scenario_id")
     orders = proved.set_index("scenario_id")["visit_order"]
@@ -169,11 +171,11 @@ def against_proof(rows: pd.DataFrame, settings: dict[str, dict[str, Any]]) -> pd
 
 
 def by_kind(compared: pd.DataFrame) -> pd.DataFrame:
-    """One row per kind of compared answers.
+    """Comparisons with proved tours, by kind of answer.
 
-    They are compared with proved tours. Columns kind; those of `with_share` for refuted (the proved
-    tour is shorter by more than the tolerance) and for other_order; excess and most, the median and
-    the largest gap.
+    `compared` is the frame of `against_proof`. Columns: kind; those of `with_share` for refuted
+    (the proved tour is shorter by more than the tolerance) and for other_order; excess and most,
+    the median and the largest gap.
     """
     groups = compared.groupby("kind", sort=False)
     frame = groups[["gap"]].agg(["median", "max"]).set_axis(["excess", "most"], axis=1)
@@ -185,9 +187,9 @@ def by_kind(compared: pd.DataFrame) -> pd.DataFrame:
 
 
 def _kind_of(row: dict[Hashable, Any], settings: dict[str, dict[str, Any]]) -> str:
-    """The kind of answer; empty if not compared.
+    """The kind of a compared answer, or empty.
 
-    The kinds are compared with proved tours.
+    Answers are compared with proved tours. An answer that is not compared has no kind.
     """
     values = settings.get(row["solver"], {})
     if row["formulation"] == _STRAIGHT_FIRST:
@@ -198,14 +200,19 @@ def _kind_of(row: dict[Hashable, Any], settings: dict[str, dict[str, Any]]) -> s
 
 
 def _same_order(one: Any, other: Any, round_trip: bool) -> bool:
+    """Whether two tours have the same order.
+
+    A round trip may also be driven backwards.
+    """
     order, proved = (np.atleast_1d(each).tolist() for each in (one, other))
+    # a round trip may be driven backwards
     return order == proved or (round_trip and order[::-1] == proved)
 
 
 def tours_section(results: Results) -> Section | None:
     """The section on tours.
 
-    What closes, and proved tours against those of a grid and of straight lines.
+    It shows what closes, and compares proved tours with those of a grid and of straight lines.
     """
     if results.rows.empty:
         return None
@@ -227,7 +234,10 @@ def tours_section(results: Results) -> Section | None:
 
 
 def _text(rows: pd.DataFrame, compared: pd.DataFrame) -> str:
-    """Numbers of proved tours and of refuted optima."""
+    """The section's text.
+
+    It counts the proved tours, and the optima of grids that they refute.
+    """
     search = rows[rows["solver"] == EXACT]
     proved = ""
     if len(search):
@@ -252,7 +262,7 @@ def _text(rows: pd.DataFrame, compared: pd.DataFrame) -> str:
 
 
 def timed_solvers(rows: pd.DataFrame) -> set[str]:
-    """The most asked solver of each proving engine."""
+    """The most asked solver of each engine that proves."""
     proving = rows[rows["solver"].isin(provers(rows))]
     asked = proving.groupby(["engine", "solver"]).size().rename("asked").reset_index()
     ranked = asked.sort_values("asked", ascending=False, kind="stable")
@@ -262,6 +272,7 @@ def timed_solvers(rows: pd.DataFrame) -> set[str]:
 def _closed_picture(
     rows: pd.DataFrame, cells: pd.DataFrame, strata: list[str], results: Results
 ) -> Picture:
+    """The picture of questions closed, gaps and times."""
     methods = results.methods.set_index("solver")
     names = [_name(methods.loc[spec], results.settings.get(spec, {})) for spec in methods.index]
     labels = dict(zip(methods.index, distinct(names), strict=True))
@@ -284,9 +295,9 @@ def _closed_picture(
 
 
 def _name(method: pd.Series, settings: dict[str, Any]) -> str:
-    """A method's name in the figure.
+    """A method's name in the figure, not always distinct.
 
-    The engine, and the settings that tell models apart.
+    It has the engine, and the settings that tell models apart.
     """
     if method["formulation"] == _STRAIGHT_FIRST:
         return f"{settings.get('order', '')} order".strip()
@@ -304,6 +315,10 @@ def _gap(value: float) -> str:
 
 
 def _engines(frame: pd.DataFrame) -> Table:
+    """The table of medians, a line per solver.
+
+    `frame` is that of `by_engine`, with the columns of `closed_within`.
+    """
     shown = (
         SOLVER,
         *columns(kind="cell", closes_text="closed"),
@@ -324,6 +339,7 @@ def _engines(frame: pd.DataFrame) -> Table:
 
 
 def _compared(frame: pd.DataFrame) -> Table:
+    """The table of comparisons with proved tours."""
     shown = (
         Column("kind", "answer", kind="text"),
         *columns(kind="cell", refuted_text="refuted", other_order_text="other order"),

@@ -1,6 +1,7 @@
 """Changes between two runs, solver by solver.
 
-Questions that both were asked, changes, and paired tests.
+These are the questions that both runs were asked, differences in answers and times, and paired
+tests.
 """
 
 from __future__ import annotations
@@ -23,12 +24,12 @@ SIDES = ("base", "new")
 
 
 def pairs(base: Results, new: Results) -> pd.DataFrame:
-    """The questions that both runs answered.
+    """The questions that both runs attempted, one per row.
 
-    One row per solver and question with attempts in both runs. Columns solver, scenario_id, branch,
-    initial_guess, those of the scenario, answerable, and for each of `SIDES` right (share of the
-    repeats that the check accepts), false (whether any repeat has a false claim or bound), gap
-    (median of the repeats that arrive) and time (median, s).
+    A row is a solver's question with attempts in both runs. Columns: solver, scenario_id, branch,
+    initial_guess, those of the scenario, and answerable. Four more have the suffix `_base` or
+    `_new`: right (share of the repeats that the check accepts), false (whether any repeat has a
+    false claim or bound), gap (median of the repeats that arrive) and time (median, s).
     """
     old = _questions(base).drop(columns=_SHARED).add_suffix("_base")
     new_names = {name: f"{name}_new" for name in ("right", "false", "gap", "time")}
@@ -37,9 +38,9 @@ def pairs(base: Results, new: Results) -> pd.DataFrame:
 
 
 def unpaired(base: Results, new: Results, pairs: pd.DataFrame) -> pd.DataFrame:
-    """Numbers of questions in one run only.
+    """Numbers of questions that only one run has.
 
-    Columns solver, only_base, only_new; solvers without such questions are left out.
+    Columns solver, only_base, only_new. Solvers without such questions are left out.
     """
     paired = pairs.groupby("solver").size()
     counts = {}
@@ -51,6 +52,11 @@ def unpaired(base: Results, new: Results, pairs: pd.DataFrame) -> pd.DataFrame:
 
 
 def _questions(results: Results) -> pd.DataFrame:
+    """A row per solver and question of one run.
+
+    Columns: those of the scenario, answerable, right, false, gap and time, as in `pairs`. Open
+    questions have no row.
+    """
     rows = results.rows[~results.rows["left_open"]]
     false = rows["false_claim"].eq(True) | rows["false_bound"].eq(True)
     attempts = rows[[*_PAIR, *_SHARED, "gap"]].assign(
@@ -65,10 +71,10 @@ def _questions(results: Results) -> pd.DataFrame:
 
 
 class MachineSpeed(NamedTuple):
-    """The ratio of the machines' times.
+    """How the times of two runs' machines compare.
 
-    How many times as long the same work took in the new run; 2: a machine half as fast. `low` and
-    `high` are the ends of its range; `evidence` names the source.
+    `ratio` is how many times as long the same work took in the new run; 2 means a machine half as
+    fast. `low` and `high` are the ends of its range. `evidence` names the source.
     """
 
     ratio: float
@@ -78,11 +84,11 @@ class MachineSpeed(NamedTuple):
 
 
 def machine_speed(changes: pd.DataFrame) -> MachineSpeed | None:
-    """The machine's speed, from unchanged solvers.
+    """The ratio of the machines' times, from unchanged solvers.
 
-    None without such a solver. A solver of the same code took as many times as long as its machine
-    did: the geometric mean of their ratios, and the range of their intervals, since a load slows
-    some work more than other.
+    A solver with the same code takes as many times as long as its machine does. `ratio` is the
+    geometric mean of such solvers' ratios. The range joins their intervals, since a load slows some
+    work more than other work. None comes back without such a solver.
     """
     unchanged = changes[changes["same_code"] & changes["time_ratio"].gt(0)]
     if unchanged.empty:
@@ -96,10 +102,10 @@ def machine_speed(changes: pd.DataFrame) -> MachineSpeed | None:
 
 
 def without_machine(changes: pd.DataFrame, speed: MachineSpeed | None) -> pd.DataFrame:
-    """The changes without the machine's speed.
+    """The changes with the machine's speed divided out.
 
-    It is taken out of the times of solvers whose code changed. Ends of intervals are divided
-    crosswise: the slower the machine, the faster the solver.
+    Only the times of solvers whose code changed are divided. The low end is divided by the high end
+    of the speed and vice versa: the slower the machine, the faster the solver.
     """
     if speed is None:
         return changes
@@ -119,7 +125,7 @@ TIME_RATIO = ["time_ratio", "time_ratio_low", "time_ratio_high"]
 
 
 def solver_changes(base: Results, new: Results, pairs: pd.DataFrame) -> pd.DataFrame:
-    """Changes of each solver.
+    """The changes of each solver.
 
     One row per solver, in the order of tables; times are as measured.
 
@@ -137,6 +143,7 @@ def solver_changes(base: Results, new: Results, pairs: pd.DataFrame) -> pd.DataF
     for solver in solver_order(pairs["solver"].unique().tolist()):
         rows = pairs[pairs["solver"] == solver]
         answerable = rows[rows["answerable"]]
+        # costs of the sign test: the share of wrong repeats
         test = sign_test(1 - answerable["right_new"], 1 - answerable["right_base"])
         p = test.p
         if not test.pairs:
@@ -149,6 +156,7 @@ def solver_changes(base: Results, new: Results, pairs: pd.DataFrame) -> pd.DataF
             "right_new": answerable["right_new"].mean(),
             "right_p": p,
             "lost": int(lost(answerable).sum()),
+            # the opposite of `lost`
             "gained": int((answerable["right_base"].eq(0) & answerable["right_new"].eq(1)).sum()),
         }
         lines.append(line | _times(rows))
@@ -157,38 +165,44 @@ def solver_changes(base: Results, new: Results, pairs: pd.DataFrame) -> pd.DataF
 
 
 def lost(pairs: pd.DataFrame) -> pd.Series[bool]:
-    """Whether each question was lost.
+    """A mask of the questions that were lost.
 
-    It was right in every repeat of the base and in none of the new run.
+    A lost question was right in every repeat of the base and in no repeat of the new run.
     """
     return pairs["right_base"].eq(1) & pairs["right_new"].eq(0)
 
 
 def newly_false(pairs: pd.DataFrame) -> pd.Series[bool]:
-    """Whether each question has a new false claim.
+    """A mask of questions with a new false claim.
 
-    A false claim or bound in the new run alone.
+    The claim or bound is false in the new run only.
     """
     return pairs["false_new"] & ~pairs["false_base"]
 
 
 def less_accurate(pairs: pd.DataFrame) -> pd.Series[bool]:
-    """Whether a right answer became less accurate.
+    """A mask of right answers that became less accurate.
 
-    It is right in both runs, and its gap is larger by `WORSE_GAP`.
+    The question is right in both runs, and the new gap is more than `WORSE_GAP` times the old one.
+    An old gap counts as at least `GAP_FLOOR`.
     """
     before = pairs["gap_base"].clip(lower=GAP_FLOOR)
     return _right_in_both(pairs) & (pairs["gap_new"] > WORSE_GAP * before)
 
 
 def _right_in_both(pairs: pd.DataFrame) -> pd.Series[bool]:
+    """A mask of questions right in both runs.
+
+    Such a question has an answer, and all repeats of both runs are right.
+    """
     return pairs["answerable"] & pairs["right_base"].eq(1) & pairs["right_new"].eq(1)
 
 
 def _times(pairs: pd.DataFrame) -> dict[str, object]:
-    """Mean times of both runs, and their ratio.
+    """Mean times (s) of both runs, and their ratio.
 
-    The questions are right in both runs.
+    Only questions that are right in both runs count. Keys: timed (their number), time_base,
+    time_new, and those of `TIME_RATIO`.
     """
     comparable = pairs[_right_in_both(pairs) & pairs["time_base"].gt(0) & pairs["time_new"].gt(0)]
     times = comparable.set_index("scenario_id")[["time_base", "time_new"]]

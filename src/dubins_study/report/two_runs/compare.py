@@ -1,7 +1,4 @@
-"""Compare two runs, and write a page of it.
-
-Solver by solver, with the regressions.
-"""
+"""Compare two runs, and write a page about it."""
 
 from __future__ import annotations
 
@@ -108,6 +105,7 @@ def compare(
 
 
 def _described(place: FilePath, folder: Folder) -> str:
+    """A run's folder, experiment, date and commit as text."""
     manifest = folder.manifest
     commit = str(manifest.git.get("commit") or "")[:10]
     parts = [f"experiment {folder.name}", manifest.created or "", commit and f"commit {commit}"]
@@ -123,6 +121,7 @@ _REGRESSIONS = (
 
 
 def _regressions(comparison: Comparison) -> Section:
+    """The section with one line for each regression."""
     frame = comparison.regressions
     text = (
         "Nothing became worse: no right answer was lost, no false claim is new, no answer is less "
@@ -148,9 +147,9 @@ def _regressions(comparison: Comparison) -> Section:
 
 
 def solvers_table(comparison: Comparison) -> Table:
-    """The table of solvers, for page and command.
+    """The table with a line per solver.
 
-    A line per solver.
+    The page shows it, and so does the command.
     """
     shown = (
         SOLVER,
@@ -182,7 +181,7 @@ def _solvers(comparison: Comparison) -> Section:
 
 
 def unpaired_text(comparison: Comparison) -> str:
-    """How many questions only one run was asked."""
+    """A sentence on questions of one run only."""
     frame = comparison.unpaired
     if frame.empty:
         return "Both were asked the same questions."
@@ -197,10 +196,7 @@ def unpaired_text(comparison: Comparison) -> str:
 
 
 def speed_text(speed: MachineSpeed | None) -> str:
-    """The machine's speed as a sentence.
-
-    The sentence also states its effect on the ratios of times.
-    """
+    """The machine's speed, and what it changes, as text."""
     if speed is None:
         return (
             "The speed of the machines is unknown, as no solver has the same code: ratios of times "
@@ -214,6 +210,7 @@ def speed_text(speed: MachineSpeed | None) -> str:
 
 
 def _else(comparison: Comparison) -> Section:
+    """The section of all other differences between the runs."""
     frame = comparison.differences
     shown = columns(kind="text", what="what", base="base", new="new")
     caption = "From the manifests of the runs."

@@ -1,6 +1,6 @@
 """The result of a comparison of two runs.
 
-Regressions, a verdict for each solver, and what else differs.
+It has regressions, a verdict for each solver, and other differences of the runs.
 """
 
 from __future__ import annotations
@@ -38,11 +38,12 @@ class Comparison:
         regressions: what became worse: kind (`no longer right`, `no longer denied`, `false claim`,
             `less accurate`, `right less often`, `slower`, `not answered`), solver, scenario (its
             label, or its target), branch, base and new (as text), and the command that asks the
-            question again. The last three kinds are of all questions of a solver: without scenario.
+            question again. The last three kinds concern all questions of a solver, so they have no
+            branch and no command.
         unpaired: solver, and how many questions only one of the runs was asked.
-        differences: what, base, new: what else the runs differ in, but for the code of solvers.
-        speed: of the new run's machine by the base's; None if nothing says it.
-        slower: how many times as long counts as slower.
+        differences: what, base, new: in what else the runs differ, apart from the code of solvers.
+        speed: times of the new run's machine divided by those of the base's; None if unknown.
+        slower: a solver is slower if its time ratio is surely above this number.
         page: the page that was written; None if none was asked for.
     """
 
@@ -61,9 +62,10 @@ class Comparison:
 
 
 def unanswered(results: Results) -> pd.DataFrame:
-    """Solvers with fewer rows than cells.
+    """The solvers with fewer rows than cells.
 
-    Columns solver, cells (asked), rows (there); the run is not finished, or lost rows.
+    Columns solver, cells (those of the plan), rows (those in the folder). The run is not finished,
+    or it lost rows.
     """
     there = pd.concat([results.rows["solver"], results.untaken["solver"]]).value_counts()
     cells = {spec: entry.cells for spec, entry in results.folders[0].manifest.solvers.items()}
@@ -75,13 +77,14 @@ def unanswered(results: Results) -> pd.DataFrame:
 def regressions(
     pairs: pd.DataFrame, changes: pd.DataFrame, unanswered: pd.DataFrame, slower: float
 ) -> pd.DataFrame:
-    """The regressions, in the order of the kinds.
+    """What became worse, in the order of kinds.
 
-    They include the cells of the new run without an answer. `slower` is infinite where the
-    machine's speed is not known: then no solver is called slower.
+    The columns are those of `Comparison.regressions`. `unanswered` has the solvers of the new run
+    that lack rows. `slower` is infinite where the machine's speed is not known; then no solver is
+    called slower.
     """
     was_lost = lost(pairs)
-    # Seen in repeats too: a question that is right in one of three was right in all.
+    # `lost` needs all repeats to change. This test of shares sees fewer right repeats too.
     less_often = _share_changed(changes) & (changes["right_new"] < changes["right_base"])
     took_longer = _timed(changes) & changes["time_ratio_low"].gt(slower)
     lines = [
@@ -98,25 +101,27 @@ def regressions(
 
 
 def _share_changed(changes: pd.DataFrame) -> pd.Series[bool]:
-    """Whether each solver's share right changed.
+    """A mask of solvers whose share right changed.
 
-    The test has the level `ALPHA`.
+    The sign test's p is below the level `ALPHA`.
     """
     return changes["right_p"].lt(ALPHA)
 
 
 def _timed(changes: pd.DataFrame) -> pd.Series[bool]:
-    """Whether each solver's times can be compared.
+    """A mask of solvers with comparable times.
 
-    Its code changed, and enough questions have times. Times of the same code are the machine's.
+    Their code changed, and enough of their questions have times. The times of unchanged solvers
+    differ by the machine only.
     """
     return ~changes["same_code"] & changes["timed"].ge(_FEWEST_TIMED)
 
 
 def verdicts(changes: pd.DataFrame, regressions: pd.DataFrame, slower: float) -> list[str]:
-    """Verdicts on solvers: what is worse, else better.
+    """A verdict for each solver, as text.
 
-    Better is decided by the mirror images of the tests.
+    The text says what is worse. If nothing is, it says what is better, by the same tests in the
+    other direction. Else it is `same code` or `no change`.
     """
     more_often = _share_changed(changes) & (changes["right_new"] > changes["right_base"])
     faster = _timed(changes) & changes["time_ratio_high"].lt(1 / slower)
@@ -162,9 +167,9 @@ _Record = Mapping[Hashable, Any]
 def _questions(
     kind: str, rows: pd.DataFrame, column: str, show: Callable[[Any], str]
 ) -> Iterator[_Record]:
-    """A line for each question.
+    """Yield a line of the regressions for each question.
 
-    It has the values of both runs in a column.
+    `show` turns the values of `column`_base and `column`_new into texts.
     """
     for row in rows.to_dict("records"):
         place = f"target {row['target_x']:.6g}, {row['target_y']:.6g}"
@@ -210,9 +215,9 @@ def _not_answered(row: _Record) -> _Record:
 
 
 def differences(base: Manifest, new: Manifest) -> pd.DataFrame:
-    """Differences between two manifests.
+    """The facts in which two manifests differ.
 
-    Columns what, base, new (as text).
+    Columns what, base, new (as text; a dash where a manifest does not have the fact).
     """
     facts = pd.DataFrame({"base": _facts(base), "new": _facts(new)}, dtype=object)
     texts = facts.replace("", None).fillna(ABSENT).astype(str)
@@ -220,7 +225,7 @@ def differences(base: Manifest, new: Manifest) -> pd.DataFrame:
 
 
 def _facts(manifest: Manifest) -> pd.Series[Any]:
-    """The facts that a manifest states of its run."""
+    """The facts of a manifest, by name."""
     plain = ("profile", "time_limit_s", "memory_limit_gib", "gap_tolerance")
     jobs = sorted({str(run.jobs) for run in manifest.runs})
     facts = {

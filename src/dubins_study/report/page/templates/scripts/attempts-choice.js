@@ -1,6 +1,6 @@
 "use strict";
-// What the plot of attempts shows: axes, coloured solvers, regions, strata, verdicts, experiments;
-// chosen by form controls.
+// The form that chooses what the plot of attempts shows: axes, coloured solvers, regions, strata,
+// verdicts and experiments.
 (() => {
   const {element} = window.studyTables;
   const {FIELDS} = window.attempts;
@@ -18,11 +18,11 @@
     hex: "M -2.5 -4.4 H 2.5 L 5 0 L 2.5 4.4 H -2.5 L -5 0 Z",
   };
 
-  // Opacity of what fills a mark, and its size (pixels), for solvers of one engine.
+  // [opacity of the fill, size in pixels] for the solvers of one engine, in order.
   const VARIANTS = [[0.85, 7], [0, 7], [0.35, 7], [0, 11], [0.85, 4.5], [0.35, 11]];
 
-  // How the chosen solvers are drawn: the mark of their engine; those of one mark differ in what
-  // fills it and in its size.
+  // Map each chosen solver to its mark: that of its engine. Solvers of one engine differ in the
+  // opacity of the fill and in the size.
   function marks(data, chosen) {
     const used = new Map(), result = new Map();
     for (const k of chosen) {
@@ -63,7 +63,8 @@
     return select;
   }
 
-  // A folded list of boxes that say which values of a text are shown.
+  // A folded list of check boxes, one for each value of a text. Values in `set` are shown; a click
+  // changes `set` in place and calls `changed`.
   function textFilter(title, values, set, changed) {
     const summary = element("summary");
     const list = element("fieldset", {}, element("legend", {className: "hidden"}, title));
@@ -99,7 +100,7 @@
     return element("details", {}, summary, list);
   }
 
-  // The form, and what it says: {x, y, chosen, others, texts: [[column, set of texts], ...]}.
+  // The form and its state: {x, y, chosen, others, texts: [[column, set of texts], ...]}.
   function choice(data, changed) {
     const state = {x: "margin", y: "gap", chosen: data.opening(), others: true, texts: []};
     const form = element("form", {className: "choice"});

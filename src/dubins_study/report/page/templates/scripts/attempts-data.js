@@ -1,6 +1,6 @@
 "use strict";
-// window.attempts: the embedded attempts. `open()` unpacks them once;
-// `report/topics/single_attempts.py` says how they are packed.
+// window.attempts: the embedded attempts. `open()` unpacks them on its first call.
+// `report/topics/single_attempts.py:packed` says how they are packed.
 window.attempts = (() => {
   const FINEST = 0.15; // rad of a turn between two points of a drawn path
 
@@ -26,7 +26,7 @@ window.attempts = (() => {
       }
     }
 
-    // A text of a row; null where it has none.
+    // The text of row `i` in a column; null if the row has no text there.
     text(name, i) {
       const code = this.columns[name][i];
       return code ? this.texts[name][code - 1] : null;
@@ -40,7 +40,7 @@ window.attempts = (() => {
       return this.scenarios[name][this.columns.scenario[i]];
     }
 
-    // A text of a row, of the attempt or of its scenario; "" where it has none.
+    // The text of row `i` in a column of attempts or of scenarios; "" if there is none.
     anyText(name, i) {
       return (name in this.texts ? this.text(name, i) : this.ofScenario(name, i)) ?? "";
     }
@@ -52,8 +52,9 @@ window.attempts = (() => {
       return [...values].sort(window.studyTables.compareTexts);
     }
 
-    // The scenario of a row as it is drawn. A heading that is free is the path's own; without a
-    // target the place is that of the start of a closed path, else of the last via point.
+    // The scenario of a row as it is drawn. If the start heading is free, the path's own is taken.
+    // If there is no target, a closed path ends at the start, and another one at the last via
+    // point.
     scenario(i) {
       const names = ["x", "y", "heading", "target_x", "target_y", "radius", "speed"];
       const drawn = Object.fromEntries(names.map((name) => [name, this.ofScenario(name, i)]));
@@ -66,7 +67,7 @@ window.attempts = (() => {
       return drawn;
     }
 
-    // The via points of a row's scenario with the headings there, the final heading (null where it is
+    // The via points of a row's scenario with the headings there, the final heading (null if it is
     // free), the order, and whether the path is closed.
     route(i) {
       const given = (name) => this.scenarios[name]?.[this.columns.scenario[i]] ?? null;
@@ -75,7 +76,7 @@ window.attempts = (() => {
         order: given("order") ?? "given", closed: given("closed") ?? false};
     }
 
-    // What names an attempt in every report of the same rows.
+    // The id of an attempt, for the page's address. Every report of the same rows has the same id.
     id(i) {
       const names = ["experiment", "solver", "branch", "initial_guess", "profile"];
       const parts = names.map((name) => this.text(name, i) ?? "");
@@ -100,13 +101,14 @@ window.attempts = (() => {
       return rows.sort((a, b) => worst[a] - worst[b]);
     }
 
-    // A plug-in's solver, else that with most false claims whose paths can be seen to be wrong.
+    // The number of the solver whose worst attempts are shown first: a plug-in's, or else the one
+    // with most false claims whose paths are visibly wrong.
     telling() {
       const own = this.solvers.findIndex((solver) => solver.own);
       return own >= 0 ? own : this.mostFalse();
     }
 
-    // Those that the plot opens with: at most three, each with a colour and a marker of its own.
+    // The solvers that are coloured at first: at most three, each with its own colour and marker.
     opening() {
       const own = this.solvers.map((_, k) => k).filter((k) => this.solvers[k].own), chosen = [];
       for (const k of [...own, this.mostFalse()]) {
@@ -125,7 +127,7 @@ window.attempts = (() => {
       return most.indexOf(Math.max(...most));
     }
 
-    // The points [x, y] of a row's path; null where there is none that can be drawn.
+    // The points [x, y] of a row's path; null if there is no path that can be drawn.
     path(i) {
       const arcs = this.paths[i];
       if (arcs === null) return null;
@@ -133,7 +135,7 @@ window.attempts = (() => {
       return line.flat().every(Number.isFinite) ? line : null;
     }
 
-    // The path of an attempt at the same question that is right; null where none is embedded.
+    // The path of a right attempt at the question of row `i`; null if no such attempt is embedded.
     rightPath(i) {
       const {scenario, branch, verdict} = this.columns;
       const right = this.texts.verdict.indexOf("optimal") + 1;
@@ -148,7 +150,7 @@ window.attempts = (() => {
 
     arcsPath(arcs, scenario) {
       const rates = arcs.map(([turn]) => Number(turn) / scenario.radius);
-      // Full turns beyond the first of an arc would be drawn over each other.
+      // An arc keeps at most one full turn: further ones would be drawn over it.
       const lengths = arcs.map(([turn, drive]) => {
         const circle = 2 * Math.PI / Math.abs(Number(turn)), driven = Number(drive);
         return (driven > 2 * circle ? circle + driven % circle : driven) * scenario.radius;

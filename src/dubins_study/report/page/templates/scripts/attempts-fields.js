@@ -1,6 +1,6 @@
 "use strict";
-// What is known of an attempt: the axes of the plot, numbers as text, and the command that repeats
-// it.
+// The fields of an attempt, which the plot can have as axes; numbers as text; and the command that
+// repeats an attempt.
 (() => {
   const NUMBERS = ["x", "y", "heading", "target_x", "target_y", "radius", "speed"];
 
@@ -20,8 +20,8 @@
     return [dx * cos + dy * sin, dy * cos - dx * sin];
   }
 
-  // Axes of the plot: title with its unit, short name, value of a row (not a number where there is
-  // none), and whether the axis is logarithmic.
+  // Fields: title with the unit, short name, value of a row (NaN if it has none), and whether the
+  // axis is logarithmic.
   const FIELDS = {
     gap: {title: "gap: length beyond the reference (relative)", short: "gap", log: true,
       value: measured("gap")},

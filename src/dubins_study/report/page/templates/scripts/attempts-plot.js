@@ -25,7 +25,9 @@
     return getComputedStyle(document.documentElement).getPropertyValue(name).trim();
   }
 
-  // The values of a field; on a logarithmic axis zeros are drawn a decade below all others.
+  // {values, floor} of a field: the values of all rows as they are drawn. On a logarithmic axis,
+  // values up to 0 are drawn at `floor`, a decade below all others; `floor` is null if there are
+  // none.
   const known = new Map();
   function axisValues(data, name) {
     if (!known.has(name)) {
@@ -49,7 +51,8 @@
     return NARROW() ? [short, zero].filter(Boolean).join("\n") : [title, zero].filter(Boolean).join("; ");
   }
 
-  // The rows that the filters let through and that have a place in the plot, by chosen or not.
+  // {chosen, others, without}: the rows that pass the filters and have finite values, of chosen
+  // solvers and of others; and how many rows of chosen solvers have no such values.
   function rows(data, state) {
     const x = axisValues(data, state.x).values, y = axisValues(data, state.y).values;
     const chosen = new Set(state.chosen), {solver} = data.columns;
@@ -79,7 +82,7 @@
     };
   }
 
-  // What is shown beside a point; all text is text, whatever it holds.
+  // The element that is shown beside a point. Texts of the rows are set as text, never as HTML.
   function tooltip(data, state, i, here) {
     const solver = data.solvers[data.columns.solver[i] - 1];
     const line = (text, style = "") => element("div", {style}, text);
@@ -111,7 +114,7 @@
       renderer.nonselection_glyph = null;
       renderer.selection_glyph = null;
     }
-    // Where coloured points are, faint ones below them are not named.
+    // Where the pointer is on coloured points, the faint points below have no tooltip.
     const above = () => sources.chosen.inspected.indices.length > 0;
     const hover = new Bokeh.HoverTool({renderers: [bright, faint], limit: MOST_TOOLTIPS,
       filters: {row: (_, {data_source}) => data_source === sources.chosen || !above()},
@@ -135,8 +138,9 @@
     for (const grid of [fig.xgrid, fig.ygrid]) grid.grid_line_color = css("--rule");
   }
 
-  // Draw into `place`; `tapped(rows)` is called with the rows at a place that is clicked, `moved()`
-  // when the axes have moved. Returns {update(kind), inFrame(), mark(row), without()}.
+  // Draw into `place`. `tapped(rows)` is called with the rows at a place that is clicked, `moved()`
+  // when the axes have moved. Returns {update(kind), inFrame(), mark(row), reset(), figure(),
+  // shown()}.
   async function plot(place, data, state, {tapped, moved}) {
     const Bokeh = await loadBokeh();
     let sources = null, view = null, fig = null, shown = rows(data, state), current = -1;
@@ -163,7 +167,7 @@
       if (each.length) tapped(each.slice(0, MOST_HITS));
     }
 
-    // Sources of their own for each figure: Bokeh lets no two documents share a model.
+    // Each figure gets new sources: Bokeh lets no two documents share a model.
     function newSources() {
       const source = (more) => new Bokeh.ColumnDataSource({data: {x: [], y: [], row: [], ...more}});
       sources = {others: source(), current: source(),
@@ -173,7 +177,7 @@
         one.selected.properties.indices.change.connect(() => {
           if (!one.selected.indices.length) return;
           clearTimeout(waiting);
-          waiting = setTimeout(hits, 0); // both layers have been asked by then
+          waiting = setTimeout(hits, 0); // by then both layers have set their selection
         });
       }
     }

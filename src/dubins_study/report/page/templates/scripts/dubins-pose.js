@@ -8,11 +8,13 @@ window.dubins.pose = (() => {
   const RATE = {L: 1, S: 0, R: -1}; // curvature times radius
   const WORDS = ["LSL", "RSR", "LSR", "RSL", "RLR", "LRL"];
   const NEAR_ZERO = 1e-3; // rad; the sign of an angle below this is taken from coordinates, not from it
-  // The segments of the word that was asked for last: one array for all, since a route asks for some
-  // ten thousand words in every frame of a drag, and the browser collects what is allocated.
+  // The segments of the word that was computed last. All calls fill this one array: a route
+  // computes some ten thousand words in every frame of a drag, and new arrays would have to be
+  // collected.
   const driven = new Float64Array(3);
 
-  // What the data are known to, of a leg (dx, dy) whose four coordinates' sizes add up to `extent`.
+  // How exactly a leg (dx, dy) is known (radii). `extent` is the sum of the absolute values of its
+  // four coordinates.
   const uncertainty = (extent, dx, dy) => EPS * (2 * extent + 12 * (Math.abs(dx) + Math.abs(dy)) + 16);
 
   function total(first, middle, last) {
@@ -22,9 +24,9 @@ window.dubins.pose = (() => {
     return first + middle + last;
   }
 
-  // Length of a word, whose segments are then `driven`; Infinity where it has no path, or none that is
-  // shorter than `bound`. The end is at (X, Y) in the start's frame; `s` and `c` are the sine and
-  // cosine of its heading there.
+  // The length of a word; its segments are written to `driven`. Infinity if the word has no path,
+  // or none that is shorter than `bound`. The end is at (X, Y) in the start's frame; `s` and `c`
+  // are the sine and cosine of its heading there.
   function word(X, Y, s, c, index, delta, bound) {
     const mirrored = index === 1 || index === 3 || index === 4;
     const form = index < 2 ? leftStraightLeft : index < 4 ? leftStraightRight : leftRightLeft;
@@ -79,7 +81,7 @@ window.dubins.pose = (() => {
   // An angle in (-pi, 3 pi] brought to (-pi, pi].
   const principal = (angle) => (angle <= Math.PI ? angle : angle - TWO_PI);
 
-  // An angle in (-pi, pi] as one in [0, 2 pi), zero where it is within its uncertainty of it.
+  // An angle in (-pi, pi] as one in [0, 2 pi). An angle within its uncertainty of zero becomes 0.
   function turn(angle, uncertain) {
     if (Math.abs(angle) <= uncertain) return 0;
     return angle > 0 ? angle : angle + TWO_PI;
@@ -91,8 +93,8 @@ window.dubins.pose = (() => {
     return angle > 0 ? angle : angle + TWO_PI;
   }
 
-  // The shortest length from (0, 0, a) to (x, y, b), given the sines and cosines of a and b; `bound` or
-  // more if it is not below that.
+  // The shortest length from (0, 0, a) to (x, y, b), given the sines and cosines of a and b;
+  // `bound` if no word is shorter than that.
   function shortest(x, y, sinA, cosA, sinB, cosB, delta, bound = Infinity) {
     const X = x * cosA + y * sinA, Y = y * cosA - x * sinA;
     const s = sinB * cosA - cosB * sinA, c = cosB * cosA + sinB * sinA;
@@ -105,8 +107,8 @@ window.dubins.pose = (() => {
     return best;
   }
 
-  // Every word's path from pose to pose, in the order of WORDS, as `dubins.words` has entries, with the
-  // start; without a certificate, since the shortest of all six is the shortest path.
+  // An entry for each of WORDS: its path from pose to pose, with the fields of `dubins.words` and
+  // the start. There is no certificate, since the shortest of all six is the shortest path.
   function words(start, end, radius) {
     const x = (end.x - start.x) / radius, y = (end.y - start.y) / radius;
     const extent = (Math.abs(start.x) + Math.abs(start.y) + Math.abs(end.x) + Math.abs(end.y)) / radius;

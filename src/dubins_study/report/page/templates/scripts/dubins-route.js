@@ -5,10 +5,11 @@
 // `dubins.js` says. Returns {headings, entries, length}: the heading at every point, and each leg's
 // shortest path as `dubins.pose.words` has it.
 //
-// A dynamic program over some headings a point finds a few routes; those are improved by dynamic
-// programs over headings ever closer to theirs. Each of them tries the headings as well at which a
-// leg's length jumps: there a leg is two arcs, or one (docs/derivation.md, section 16), and the
-// shortest route often has such a leg. Nothing here proves that no route is shorter.
+// A dynamic program over a grid of headings at each point finds a few routes. Further dynamic
+// programs improve each of them, over headings ever closer to those of the route. All programs also
+// try the headings at which a leg's length jumps. There the leg is two arcs, or one
+// (docs/derivation.md, section 16), and the shortest route often has such a leg. Nothing here
+// proves that no route is shorter.
 // tests/browser/test_dubins_script.py says how often it is the shortest.
 window.dubins.route = (() => {
   const {shortest, uncertainty, words} = window.dubins.pose, {rightLeftPair} = window.dubins;
@@ -19,8 +20,9 @@ window.dubins.route = (() => {
   const SAME = 1e-6; // headings closer than this part of the distance are one
   const FULL_TURN = 2 * Math.PI;
 
-  // The headings that are tried at a point, with the cost of the best route up to each (radii) and
-  // its heading one point before. They are kept from call to call: no garbage in a drag.
+  // For each point, the headings that are tried, the length of the best route up to each (`cost`,
+  // radii), and the place of that route's heading at the point before (`before`). The arrays are
+  // kept from call to call: a drag allocates nothing.
   const layers = [];
 
   function layer(i) {
@@ -77,8 +79,8 @@ window.dubins.route = (() => {
     return twoArcs({x: -x, y: -y, delta}, heading + Math.PI).map((angle) => angle - Math.PI);
   }
 
-  // The best route through headings of the layers, point by point; returns its length. `lengths`
-  // keeps the leg's length between every two headings, if it is given.
+  // Fill `cost` and `before` of the layers, point by point; return the length of the best route. If
+  // `lengths` is given, it is filled with each leg's length between every two headings.
   function program(legs, lengths) {
     layers[0].cost.fill(0);
     legs.forEach(({x, y, delta}, i) => {
@@ -115,8 +117,8 @@ window.dubins.route = (() => {
 
   const tables = [];
 
-  // A few routes on the coarse grid: of each point's headings those are taken through which the best
-  // route is shorter than through both neighbours.
+  // A few routes on the coarse grid. A route is taken if it is the best through one of a point's
+  // headings, and shorter than the best through both neighbours of this heading.
   function coarse({legs, given}) {
     const n = legs.length;
     given.forEach((heading, i) => {
@@ -160,8 +162,8 @@ window.dubins.route = (() => {
     return [...routes.values()].sort((a, b) => a.length - b.length).slice(0, ROUTES);
   }
 
-  // A route improved on three headings a point and those nearby at which a leg is two arcs or one;
-  // they are `width` (rad) apart at first, `narrowest` in the end.
+  // An improved route. At each point three headings are tried, and those nearby at which a leg is
+  // two arcs or one. The three are `width` (rad) apart at first and `narrowest` in the end.
   function improved({legs, given}, route, width, narrowest) {
     const n = legs.length;
     let {headings, length} = route;

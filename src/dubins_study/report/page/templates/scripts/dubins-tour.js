@@ -12,11 +12,11 @@
 window.dubins.tour = (() => {
   const {route} = window.dubins, {shortest} = window.dubins.pose;
   const FULL_TURN = 2 * Math.PI;
-  const FEW = 6, ORDERS = 24, ROUTES = 3; // orders: improved, at least and most; searched
+  const FEW = 6, ORDERS = 24, ROUTES = 3; // orders: improved, at least and at most; then searched
   const SLACK = 3; // radii beyond the best; beyond it only a few orders are improved
   const GRIDS = [18, 12, 8]; // headings a point, so that each has its opposite
   const STEPS = 4e6; // of the program: the grid gets coarser from ten points on
-  // Kept from call to call: no garbage in a drag.
+  // These arrays are kept from call to call, so that a drag allocates nothing.
   let ahead = new Float64Array(0), least = new Float64Array(0);
 
   const withSines = (angles, cell) => ({size: angles.length, angles, sin: angles.map(Math.sin), cos: angles.map(Math.cos), cell});
@@ -83,8 +83,9 @@ window.dubins.tour = (() => {
     };
   }
 
-  // Fills `ahead[(passed * n + i) * size + k]`: the shortest way on from point i at heading k once the
-  // set `passed` is passed, i included. `least` has the least over the headings.
+  // Fill `ahead[(passed * n + i) * size + k]`: the length of the shortest way on, from point i at
+  // heading k, when the points of the set `passed` (i included) are behind. `least` gets the least
+  // over the headings.
   function program({between, away, last}, {size}) {
     const n = last.length, all = 2 ** n - 1;
     if (ahead.length < 2 ** n * n * size) ahead = new Float64Array(2 ** n * n * size);

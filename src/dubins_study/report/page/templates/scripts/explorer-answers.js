@@ -41,8 +41,8 @@ window.explorerAnswers = (root) => {
     rows.set(row.dataset.branch, {row, cells});
   }
   const place = root.querySelector("[data-answer=place]");
-  // Seen at once, in every frame of a drag, and heard once it rests: that element alone is for screen
-  // readers, as the other one is for eyes.
+  // The summary is shown in every frame of a drag (`summary`, hidden from screen readers). Screen
+  // readers speak it once the drag rests (`spoken`, not visible).
   const summary = root.querySelector("[data-answer=summary]");
   const spoken = root.querySelector("[data-answer=spoken]");
 

@@ -2,16 +2,18 @@
 // window.explorerHandles(scene, model): the handles of target, via points, headings and turning
 // radius, for mouse, touch and keyboard.
 //
-// `model` is {state(), side(), change(values, view), rest()}: `change` is called for every move, with
-// the view "keep" in a drag; `rest` is called once a drag has ended. `place(places)` moves the handles
-// to pixels of the plane and hides those that have none, `number(order, tour)` numbers via points by
-// their visits, `speak(scenario, summary)` sets what screen readers say, `dragged()` says whether one is
-// being dragged, `pointed(event)` returns the place under the pointer: its pixel, and the plane's point
-// [x, y] as exactly as one can point.
+// `model` is {state(), side(), change(values, view), rest()}. `change` is called for every move,
+// in a drag with the view "keep"; `rest` is called once a drag has ended. It returns functions:
+// - `place(places)` moves the handles to pixels of the plane and hides those without a place;
+// - `number(order, tour)` numbers the via points by their visits;
+// - `speak(scenario, summary)` sets the texts of screen readers;
+// - `dragged()` says whether a handle is being dragged;
+// - `pointed(event)` returns the place under the pointer: its pixel, and the plane's point [x, y],
+//   rounded to what a pointer can resolve.
 window.explorerHandles = (scene, model) => {
   const {element, set, write} = window.svgElements, {svg} = scene, DEGREE = Math.PI / 180;
   const ROUGH = 10; // steps of an arrow key with shift, and of page up and down
-  const TWICE_MS = 400; // between two presses that remove what a handle stands for
+  const TWICE_MS = 400; // at most, between two presses of a handle that remove its point or heading
   const MOVED_BY = "arrow keys move it by a twentieth of R, with shift by half of R";
   const REMOVED_BY = `${MOVED_BY}, Delete removes it`;
   const TURNED_BY = "arrow keys turn it by 1 degree, with shift by 10";
@@ -32,7 +34,7 @@ window.explorerHandles = (scene, model) => {
   const RADIUS_KEYS = {"+": [1, 0], "=": [1, 0], "-": [-1, 0], "_": [-1, 0]};
   const handles = {};
   let dragged = null, pointer = null, offset = {x: 0, y: 0}, centres = {};
-  let moved = false, pressed = {name: "", time: 0}; // of the last press: did it drag, of what, when
+  let moved = false, pressed = {name: "", time: 0}; // last press: dragged, of what, when
 
   const short = (value) => Number(value.toPrecision(12)); // 0.1 + 0.2 is 0.3 here
 
@@ -44,14 +46,15 @@ window.explorerHandles = (scene, model) => {
     return [degrees * DEGREE, `${degrees}deg`];
   }
 
-  // A coordinate as exactly as a pointer can point.
+  // A coordinate rounded to a pixel's size.
   function rounded(value) {
     const digits = Math.max(0, Math.min(12, Math.ceil(-Math.log10(scene.pixel()))));
     return Number(value.toFixed(digits));
   }
 
-  // What a pointer's place in the plane means, and what n steps of an arrow key do: for a place that
-  // `at` returns and `to` changes, and for a heading.
+  // {drag, key} of a handle: the change that a pointer's place makes, and the change of n steps of
+  // an arrow key. `placed` is for a point, which `at` returns and `to` changes; the other for a
+  // heading.
   const placed = (at, to) => ({
     drag: (point) => to(rounded(point.x), rounded(point.y)),
     key: ([i, j], n) => {
@@ -85,12 +88,12 @@ window.explorerHandles = (scene, model) => {
     if (i >= 0) MOVES[name] = placed(({via}) => via[i], (x, y) => ({via: model.state().via.with(i, [x, y])}));
   }
 
-  // The place of a via point's handle in the list of via points; -1 of other handles.
+  // The place of a handle's via point in the list of via points; -1 for other handles.
   function viaOf(name) {
     return name.startsWith("via-") ? Number(name.slice(4)) - 1 : -1;
   }
 
-  // What is left without the via point or the final heading of a handle; null for the others.
+  // The change that removes a handle's via point or final heading; null for other handles.
   function without(name) {
     if (name === "final") return {final_heading: null, final_written: ""};
     return viaOf(name) < 0 ? null : {via: model.state().via.toSpliced(viaOf(name), 1)};

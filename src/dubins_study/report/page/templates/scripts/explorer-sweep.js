@@ -4,16 +4,17 @@
 //
 // `resize(width)` sets its width (CSS px) and `draw(scenario, best)` draws it, `best` the length at
 // the scenario's own radius; `data()` returns {limit, radii, lengths: {LS: [...], ...}, best: [...]}
-// (length unit, null where a word has no path). A click calls `choose(radius)`. It is drawn anew in
-// every frame of a drag: what is kept here from one drawing to the next is garbage otherwise, which
-// the browser collects in the middle of a drag.
+// (length unit, null where a word has no path). A click calls `choose(radius)`. The picture is
+// drawn anew in every frame of a drag. Arrays are therefore kept from one drawing to the next: the
+// browser would collect new ones in the middle of a drag.
 window.explorerSweep = (host, choose) => {
   const {element, set, write} = window.svgElements;
   const SAMPLES = 160, HEIGHT = 190;
   const BRANCHES = ["RL", "LR", "RS", "LS"], MARGIN = {left: 60, right: 34, top: 12, bottom: 34};
   const BOTTOM = HEIGHT - MARGIN.bottom; // px, where lengths are zero
   const NAME = {width: 24, height: 18, ascent: 14}; // px, of a word's name with room around it
-  // of two neighbouring lengths, as a share of the largest radius: no word grows faster without a jump
+  // The largest difference of two neighbouring lengths on one line, as a share of the largest
+  // radius. No word grows faster; where the difference is larger, its length jumps.
   const JUMP = 0.12;
   let width = 720, limit = 0, top = 0;
   const lengths = {}, places = new Array(SAMPLES), best = new Array(SAMPLES);
@@ -57,7 +58,7 @@ window.explorerSweep = (host, choose) => {
     return [1, 2, 5, 10].map((factor) => factor * power).find((step) => range / step <= parts);
   }
 
-  // Both scales stay while what they show fills them well, so that a drag does not move them.
+  // A scale stays while its values fill it well, so that a drag does not move it.
   function chooseLimit(radius) {
     if (radius > 0.12 * limit && radius < 0.93 * limit) return;
     const step = stepOf(2.5 * radius, 5);
@@ -70,8 +71,8 @@ window.explorerSweep = (host, choose) => {
     top = step * Math.ceil(most / step);
   }
 
-  // Fills `lengths` and `best`; returns the largest length. No lengths at radii that doubles are too
-  // coarse for beside so far a target.
+  // Fill `lengths` and `best`; return the largest length. A radius has no lengths if the target is
+  // so far away that doubles are too coarse.
   function sample(scenario) {
     const there = {...scenario};
     let most = 0;

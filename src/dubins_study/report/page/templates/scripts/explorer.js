@@ -35,7 +35,7 @@
     return ["deg", "°"].includes(match[2]) ? Number(match[1]) * DEGREE : Number(match[1]);
   }
 
-  // The scenario of a text of FORM; an error says why there is none.
+  // The scenario that a text of the form FORM describes; an error says what is wrong with the text.
   function parsed(text) {
     const [leg, ...options] = text.split(";"), parts = leg.split(",");
     if (parts.length !== 6 || parts.some((part) => !part.trim())) throw new RangeError(`${leg} has not six parts`);
@@ -92,8 +92,9 @@
     return leg + points + free + (final_written && `;final=${final_written}`);
   }
 
-  // The paths: of every word to a point or to a pose, or of every leg of a route or tour; `drawn` are
-  // those in the plane. `order` has the via points in the order of the visits.
+  // The answer to a scenario. `entries` are the paths: one for every word to a point or to a pose,
+  // or one for every leg of a route or tour. `drawn` are those that the plane shows. `order` has
+  // the numbers of the via points in the order of the visits.
   function answerTo(scenario) {
     const {target_x, target_y, radius, via, order, final_heading} = scenario;
     if (order === "free" && via.length > 1) {
@@ -151,13 +152,13 @@
     setAttributes(finalButton, {"aria-pressed": String(final_heading !== null)});
     setAttributes(orderButton, {"aria-pressed": String(state.order === "free")});
     copies.fill(state, `${location.href.split("#")[0]}${HASH}${listed(state)}`);
-    cancelAnimationFrame(frame); // once a frame is enough for what is drawn beside the plane
+    cancelAnimationFrame(frame); // the sweep is drawn at most once a frame
     if (onMap) frame = requestAnimationFrame(() => sweep.draw(state, answer.entries.find((entry) => entry.optimal).length));
     clearTimeout(settle);
     settle = setTimeout(settled, SETTLED_MS);
   }
 
-  // A number in its field, unless someone writes there.
+  // Write a number into its field, unless a reader is typing there.
   function show(input, value) {
     const text = String(value);
     if (input !== document.activeElement && input.value !== text) input.value = text;

@@ -68,8 +68,8 @@
   });
   narrow.addEventListener("change", fold);
 
-  // A link into the details opens all that hides its place, and lands there; scripts that fill the
-  // page above it say so, and the link lands again unless the reader has begun to move.
+  // A link into the details opens every folded part around its target, and scrolls there. When a
+  // script has filled the page above, the link scrolls again unless the reader has begun to move.
   let moved = false;
   for (const kind of ["wheel", "touchmove", "keydown", "pointerdown"]) {
     window.addEventListener(kind, () => { moved = true; }, {once: true, passive: true});

@@ -12,8 +12,9 @@
     return node;
   }
 
-  // The reference path's points; null where none is known or the question cannot be drawn. The page
-  // computes one leg with a free final heading; of other questions a right attempt is the reference.
+  // The points of the reference path; null if none is known or the question cannot be drawn. For
+  // one leg with a free final heading the page computes the path; else it takes that of a right
+  // attempt.
   function reference(data, i) {
     const scenario = data.scenario(i), branch = data.text("branch", i), route = data.route(i);
     const searched = route.via_x.length || data.ofScenario("heading", i) === null;

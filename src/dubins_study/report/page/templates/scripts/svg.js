@@ -2,8 +2,9 @@
 // window.svgElements: SVG elements, made and changed.
 //
 // `element(name, attributes, parent)` makes one as its parent's last child. `set(target, attributes)`
-// and `write(target, text)` change what differs from what they wrote last: a browser lays out anew
-// even where the same value is written again, and most of a picture stays while one thing is dragged.
+// and `write(target, text)` change only values that differ from those written last. A browser lays
+// out anew even if an equal value is written, and most of a picture stays while one thing is
+// dragged.
 window.svgElements = (() => {
   const NAMESPACE = "http://www.w3.org/2000/svg", TEXT = Symbol("text");
   const written = new WeakMap(); // element -> {attribute: value}

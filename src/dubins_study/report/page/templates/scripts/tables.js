@@ -36,8 +36,8 @@ window.studyTables = (() => {
     return comparePieces(pieces(a), pieces(b));
   }
 
-  // What a cell is sorted by: a number, pieces of text, or null of a cell that holds nothing. A
-  // cell of numbers in a text that begins with none, as `[2]` or `none`, holds nothing to compare.
+  // The key that a cell is sorted by: a number, pieces of text, or null for a cell without a value.
+  // In a column of numbers as text, a cell that begins with no number has none: `[2]`, `none`.
   function key(cell, numeric) {
     if (cell.dataset.value !== undefined) return Number(cell.dataset.value);
     const text = cell.textContent.trim();
@@ -61,7 +61,7 @@ window.studyTables = (() => {
     return [...present, ...rest].map(([, line]) => line);
   }
 
-  // All that a line can be found by: its text, and the full names that its cells show on hover.
+  // The text that the filter searches: the line's text, and the full names that it shows on hover.
   function searchable(line) {
     const titles = [...line.querySelectorAll("[title]")].map((node) => node.title);
     const text = [line.textContent, ...titles].join(" ");
