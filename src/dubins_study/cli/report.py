@@ -71,7 +71,7 @@ def _summary(page: FilePath) -> pd.DataFrame:
 
 
 def report_json(page: FilePath) -> str:
-    """The page's path and the summary as JSON.
+    """The page's path and the summary as JSON text.
 
     The summary has the columns of tables/summary.csv.
     """
