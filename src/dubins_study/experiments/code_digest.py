@@ -72,8 +72,8 @@ def _plain(value: Any) -> Any:
 def solver_sources(spec: str, solver_class: type[Any]) -> Sources:
     """The source files on which a solver's rows depend.
 
-    They are the solver's room, or a plug-in's file or whole package; all rooms that these name; the
-    judging room; and `study`.
+    These are the files of the solver's room, or a plug-in's file or whole package. Rooms that they
+    name, the room that judges, and `study` are included.
     """
     module = solver_class.__module__
     plugin = plugin_file(name_of(spec))
@@ -127,7 +127,7 @@ def study_sources() -> Sources:
 def _installed_plugin(package_name: str) -> Sources:
     """All modules of an installed plug-in.
 
-    They are those of the entry point's top-level package, or its single module.
+    `package_name` is the entry point's top-level package, or its single module.
     """
     package = sys.modules[package_name]
     folders = [FilePath(folder) for folder in getattr(package, "__path__", ())]

@@ -101,8 +101,8 @@ def judge_answers(
 ) -> pd.DataFrame:
     """Judge a file's answers to an experiment's questions.
 
-    They are judged by their controls alone. A question without an answer has a row too, with the
-    outcome `not_asked`: it stays in every share.
+    An answer's path is judged by its controls alone. A question without an answer has a row too,
+    with the outcome `not_asked`: it stays in every share.
 
     Args:
         file: a .csv file with the columns `COLUMNS`, lists with spaces between the numbers, or a

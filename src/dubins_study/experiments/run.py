@@ -214,7 +214,7 @@ def _other_limits(manifest: Manifest, settings: RunSettings) -> Iterator[str]:
 def _new_manifest(plan: RunPlan, command: str) -> Manifest:
     """The manifest of a folder with only this experiment.
 
-    Its cells are not counted yet.
+    The cells are not counted yet.
     """
     profile = plan.experiment_file.experiment.profile
     solvers = {spec: describe_solver(spec, profile) for spec in plan.solver_specs}

@@ -1,6 +1,6 @@
 """Sentences about mistakes in an experiment's file.
 
-They name the key and the line.
+A sentence names the key, and a message also the line.
 """
 
 from __future__ import annotations

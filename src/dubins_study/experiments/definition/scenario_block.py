@@ -379,14 +379,14 @@ class Block(StrictModel):
     def drawn(self) -> Sample | Route | Tour | None:
         """The table that draws at random, or None.
 
-        It draws scenarios, routes or tours.
+        A block has one of `sample`, `route` and `tour`, or none of them.
         """
         return self.sample or self.route or self.tour
 
     def axis(self, field: str) -> HeadingAxis | None:
         """The values of one of `FIELDS`, or None.
 
-        It is None if the block does not give that field.
+        None means that the block does not give that field.
         """
         values: HeadingAxis | None = getattr(self, field)
         return values

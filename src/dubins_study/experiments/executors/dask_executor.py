@@ -88,7 +88,7 @@ def _close(client: Any) -> None:
 class _Submission:
     """The cells of one run on a cluster.
 
-    Some wait here; the cluster holds the others as units.
+    Cells wait here until they are sent to the cluster, in units.
     """
 
     def __init__(self, client: Any, unit: WorkUnit, probed: Probed):

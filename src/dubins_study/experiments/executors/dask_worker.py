@@ -59,7 +59,7 @@ class UnitReply(NamedTuple):
 def _source_files() -> frozenset[tuple[str, int, int]]:
     """The files that answers depend on.
 
-    Each has its name, modification time (ns) and size (bytes).
+    A file is a tuple of its name, modification time (ns) and size (bytes).
     """
     rooms = ("study", "solvers", "experiments")
     files = chain.from_iterable((_PACKAGE / room).rglob("*.py") for room in rooms)
@@ -73,7 +73,7 @@ _IMPORTED = _source_files()
 class _Run:
     """The pools of one run in this process.
 
-    There is one for every unit that is solved at the same time.
+    There are as many pools as units that are solved at the same time.
     """
 
     def __init__(self) -> None:

@@ -36,7 +36,7 @@ _ROUND = 500  # chains; a round replaces each worker once, some seconds in all
 def local_executor(jobs: int) -> Iterator[Executor]:
     """An executor with `jobs` worker processes here.
 
-    They run while cells are solved.
+    The processes run only while cells are solved.
     """
 
     def solve(

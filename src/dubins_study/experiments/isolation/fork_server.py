@@ -112,9 +112,9 @@ def _readable(descriptor: int, timeout_s: float) -> bool:
 
 
 class _ForkServer:
-    """The server of this process.
+    """The fork server that this process owns.
 
-    It is started at the first request, and again if it was killed.
+    The first request starts the server, and the next one after it was killed.
     """
 
     def __init__(self) -> None:

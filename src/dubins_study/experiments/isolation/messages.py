@@ -1,6 +1,6 @@
 """Questions and replies as pools and workers send them.
 
-They are only plain values.
+Messages hold only plain values.
 
 A plug-in may return objects of its own classes, which would run its code where they are unpickled.
 Therefore every message is a line of JSON. A channel also takes paths and arrays of doubles. Each
@@ -141,7 +141,7 @@ def decode_question(values: list[Any]) -> Question:
 def encode_reply(reply: Reply) -> list[Any]:
     """A reply as values that a channel takes.
 
-    Its texts are cut to the length that a row holds.
+    Texts are cut to the length that a row holds.
     """
     outcome, solution, times, *others = reply
     values = vars(solution).copy()
@@ -154,7 +154,7 @@ def encode_reply(reply: Reply) -> list[Any]:
 def decode_reply(encoded: list[Any]) -> Reply:
     """The reply that was encoded.
 
-    It raises some exception if the values do not encode a reply.
+    Any exception may be raised if the values do not encode a reply.
     """
     outcome, values, times, *others = encoded
     return Reply(Outcome(outcome), Solution(**values), Times(**times), *others)

@@ -1,6 +1,6 @@
 """A pool of worker processes with hard limits.
 
-It takes jobs and yields (job, reply) pairs.
+A pool takes jobs and yields pairs (job, reply).
 
 If a solver crashes or blocks its worker, the job gets a reply too. The pool judges no answer.
 """

@@ -92,7 +92,7 @@ def _state() -> dict[str, Any]:
 def _file(number: int) -> tuple[int, int] | None:
     """Device and inode of a descriptor's file, or None.
 
-    It is None if the descriptor is closed.
+    None means that the descriptor is closed.
     """
     with suppress(OSError):
         status = os.fstat(number)

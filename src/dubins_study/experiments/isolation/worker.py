@@ -1,6 +1,6 @@
 """The code in a worker process.
 
-It puts questions to solvers, and sends their replies back.
+The process puts questions to solvers, and sends the replies to its pool.
 """
 
 from __future__ import annotations
@@ -149,7 +149,7 @@ def _failure(error: BaseException, spec: str, profile: str) -> Reply:
 def _digest(spec: str, profile: str) -> str:
     """The digest of a solver's code.
 
-    It is empty if the solver is too broken to have one.
+    Empty if the solver's code cannot be loaded or read.
     """
     try:
         return code_digest(spec, profile)

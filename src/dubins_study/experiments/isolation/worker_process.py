@@ -226,7 +226,7 @@ class WorkerProcess:
     def _crash_reply(self) -> Reply:
         """The reply to the task of an ended worker.
 
-        It tells the exit status and the last output.
+        The message tells the exit status and the last output.
         """
         code = self._process.exit_code()
         status = f"exit {code}"

@@ -1,6 +1,6 @@
 """The cells of an experiment.
 
-Each has one solver, one question and one repeat.
+A cell is one solver, one question and one repeat.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
-"""Points as fields of work give them.
+"""Points as they lie in practice: the laws of `field`.
 
-They are the laws of `field`, beside random points.
+The law `random` is in `plan.scenarios`.
 
 A law takes a generator and a number n of steps. It returns n + 1 points, shape (n + 1, 2), in the
 order in which they would be flown, the start first. Its unit is the distance that a block asks

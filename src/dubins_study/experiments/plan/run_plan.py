@@ -52,7 +52,7 @@ _ARGUMENTS = {
 class RunSettings(NamedTuple):
     """The settings of one run.
 
-    They are the same for all its cells and rows.
+    All cells and rows of the run share them.
     """
 
     run_id: str

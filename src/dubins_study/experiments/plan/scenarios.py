@@ -40,11 +40,13 @@ Fields = dict[str, Any]
 def scenario_id(scenario: Scenario) -> str:
     """The id of a scenario: 16 hexadecimal digits.
 
-    They are the first digits of a SHA-256. Its input begins with the fields of `NUMBERS` as
-    little-endian doubles and the label in UTF-8. If the scenario has via points or a final heading,
-    the byte 255, which is in no UTF-8, and these numbers as doubles follow. Headings at via points,
-    an order that is free and a path that is closed follow after another such byte. A value that is
-    free or left out is NaN.
+    The digits are the first ones of a SHA-256 of up to three parts. The second and the third begin
+    with the byte 255, which is in no UTF-8. Doubles are little-endian; NaN is free or left out.
+
+    Part 1: the fields of `NUMBERS` as doubles, then the label in UTF-8.
+    Part 2, if there are any: x and y of the via points, then the final heading, as doubles.
+    Part 3, unless all are left out: a byte each for a free order and a closed path, then the
+    headings at via points as doubles.
     """
     values = (getattr(scenario, name) for name in NUMBERS)
     doubles = [math.nan if value is None else value for value in values]
@@ -95,7 +97,7 @@ def scenarios(block: Block, key: str) -> Iterator[Scenario]:
 def _listed(block: Block) -> list[Scenario] | None:
     """The scenarios that a block lists, or None.
 
-    It is None if the block combines or draws its scenarios.
+    None means that the block combines or draws its scenarios.
     """
     if isinstance(block, ListedBlock):
         return list(block.listed)
@@ -120,7 +122,7 @@ def _axes(block: Block) -> dict[str, Sequence[Any]]:
 def _combinations(block: Block) -> Iterator[Fields]:
     """Yield the fields of each scenario of a block.
 
-    They are arguments of `Scenario`. The label, `order` and `closed` are left out, since all
+    The fields are arguments of `Scenario`. The label, `order` and `closed` are left out, since all
     scenarios of the block share them.
     """
     axes = _axes(block)

@@ -46,7 +46,7 @@ _ASKING = Allowance(10.0, activity="asking whether it can run")
 class SolverDescription(NamedTuple):
     """A solver under a profile, in plain values.
 
-    They are values that JSON can hold.
+    JSON can hold all of them, so that a plug-in's process can send them.
     """
 
     spec: str  # canonical, as in rows

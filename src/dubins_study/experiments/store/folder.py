@@ -73,7 +73,7 @@ def locked(folder: FilePath) -> Iterator[None]:
 def lock_holder(folder: FilePath) -> dict[str, object]:
     """`pid` and `started` of a folder's last lock.
 
-    They are those of the process that locked it; empty if not recorded.
+    `pid` is the process that locked the folder. Empty if nothing is recorded.
     """
     try:
         content = json.loads((folder / LOCK).read_text(encoding="utf-8"))

@@ -1,6 +1,6 @@
 """Write the manifest of a results folder.
 
-It holds the number of its cells and the entry of the current run.
+The manifest has the number of cells, and an entry for each run.
 """
 
 from __future__ import annotations
