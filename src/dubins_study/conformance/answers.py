@@ -1,7 +1,7 @@
 """Problems of an answer, in words.
 
-They tell what was seen, and what to do about it. The mix-up behind a path that misses is guessed
-from the path alone: by the question for which the path would be right.
+The words tell what was seen, and what to do about it. The mix-up behind a path that misses is
+guessed from the path alone: by the question for which the path would be right.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """Checks of a solver's declaration, process and time.
 
-They look at the solver's words about itself, and at its effects on its process and its time.
+The checks look at what a solver declares, and at its effects on its process and its time.
 """
 
 from __future__ import annotations

@@ -189,7 +189,7 @@ class Interview:
     def claimed(self) -> int:
         """Number of answers that claim something.
 
-        They claim a path, or that there is none.
+        Such an answer claims a path, or that there is none.
         """
         nothing = (Claim.FAILED, Claim.NONE, Claim.LIMIT)
         return sum(seen.answer.claim not in nothing for seen in self.seen)

@@ -72,7 +72,7 @@ class Observation(NamedTuple):
 class Observer:
     """A loaded solver in the caller's process.
 
-    It serves a debugger, and an `interview.Worker`.
+    Used under a debugger, and in the process of an `interview.Worker`.
     """
 
     folder = None
@@ -202,7 +202,7 @@ def _wrong_settings(solver: Solver) -> Iterator[tuple[str, str, str]]:
 def serve(channel: Channel, spec: str, profile: str, folder: str) -> None:
     """Answer the tasks of an `interview.Worker`.
 
-    This runs in a process of its own.
+    This runs in a process of its own, in `folder`.
 
     The first task is ["load"]; its answer is ["loaded", declaration], ["refused", message] or
     ["broken", message, traceback]. Any other task is ["ask", question, limit]; its answer is an

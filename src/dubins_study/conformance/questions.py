@@ -75,7 +75,8 @@ DISCS = labelled(
 def _near_circle(angle: float, distance: float) -> Scenario:
     """A target near the left circle.
 
-    It lies at an arc angle (rad), `distance` radii outside the circle.
+    `angle` (rad) is the arc along the circle from the start. The target lies `distance` radii
+    outside the circle, or inside if that is negative.
     """
     target = complex(0, 1) + cmath.rect(1 + distance, angle - math.pi / 2)
     return Scenario(target_x=target.real, target_y=target.imag)

@@ -187,7 +187,7 @@ _STATUS_TEXTS = {
 def report_text(report: ConformanceReport, width: int | None = None) -> str:
     """All checks, with their findings and the verdict.
 
-    Each check has a line, with its findings below; the verdict is last.
+    A check has a line, with its findings below. The verdict comes last.
 
     Lines fit the terminal's `width` and 100 characters; commands and tracebacks are never broken.
     """
