@@ -157,7 +157,7 @@ def _print_version(requested: bool) -> None:
 def _group(words: str, text: str, functions: Sequence[Callable[..., None]]) -> typer.Typer:
     """Commands behind `words`, called like their functions.
 
-    Their help ends with examples.
+    The help of each command ends with examples.
     """
     group = typer.Typer(
         help=text,

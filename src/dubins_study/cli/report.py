@@ -55,7 +55,7 @@ def report(
 def _summary(page: FilePath) -> pd.DataFrame:
     """The summary table of a report.
 
-    It is empty if the report's folders hold no rows.
+    The table is empty if the report's folders hold no rows.
     """
     import pandas as pd
 

@@ -86,7 +86,7 @@ def note(message: str, always: bool = True) -> None:
 def plain(text: str) -> str:
     """The text on one line.
 
-    Its control characters are written out.
+    Line ends and control characters are replaced by their escapes.
     """
     from dubins_study.study.values import plain as written_out  # numpy, which no help waits for
 
