@@ -72,7 +72,7 @@ class Flight:
     def stops(self) -> list[Waypoint]:
         """The mission's points in the order of passing.
 
-        There are none if some are missed.
+        Empty if the path misses some of them.
         """
         return self._at([length for length, _ in self._passed])
 
@@ -210,7 +210,7 @@ class Flight:
 def flight_of(answer: Answer, mission: Mission) -> Flight | None:
     """The flight of an answer, or None.
 
-    It is None if the answer has no finite path.
+    None means that the answer has no finite path.
     """
     if answer.path is None or answer.length is None:
         return None
@@ -220,7 +220,7 @@ def flight_of(answer: Answer, mission: Mission) -> Flight | None:
 def bank_radius(speed: float, bank: float) -> float:
     """The radius (m) of a level turn.
 
-    It is v**2 / (g tan bank).
+    The radius is v**2 / (g tan bank).
 
     Args:
         speed: m/s, above 0.

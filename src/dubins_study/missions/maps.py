@@ -76,8 +76,8 @@ def _read_kml(root: Any) -> Reading:
 def read_geojson(content: Any, compass: bool) -> Reading:
     """Read the points of features, else of their lines.
 
-    They are longitudes and latitudes. If a member `crs` names another system than WGS 84, or a
-    number is too large for degrees, they are lengths on a plane.
+    The numbers are longitudes and latitudes. If a member `crs` names another system than WGS 84, or
+    if a number is too large for degrees, they are lengths on a plane.
     """
     reading = _read_features("GeoJSON", content.get("features", [content]), compass)
     crs = content.get("crs")

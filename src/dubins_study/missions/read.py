@@ -113,7 +113,8 @@ def _mission(
 ) -> Mission:
     """The mission of a reading.
 
-    Its points lie on a plane and do not repeat; notes and warnings are added.
+    The points are moved to a plane. Repeated points are refused, or left out with `drop_repeats`.
+    Notes and warnings are added.
     """
     points = list(reading.points)
     # the home position goes through the same steps as the first point, and is taken out at the end

@@ -59,7 +59,7 @@ def at(where: str) -> Iterator[None]:
 def text_of(file: str | FilePath) -> str:
     """The text of a file.
 
-    It is in UTF-8, or in UTF-16 with a byte order mark.
+    The file is in UTF-8, or in UTF-16 with a byte order mark.
     """
     try:
         content = FilePath(file).read_bytes()

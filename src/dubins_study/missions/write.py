@@ -71,7 +71,7 @@ def _csv(flight: Flight, waypoints: Sequence[Waypoint]) -> str:
 def _above_sea(flight: Flight, point: Waypoint) -> float | None:
     """The altitude of a waypoint above the sea.
 
-    It is None if the altitude is above a home whose own is unknown.
+    None if the waypoint has no altitude, or if it counts from a home whose own is unknown.
     """
     if point.altitude is None or not flight.mission.above_home:
         return point.altitude
@@ -153,7 +153,7 @@ _ABOVE_HOME = 3  # the frame of MAVLink whose altitudes are above home
 def _home_altitude(flight: Flight) -> float:
     """The altitude of home above the sea.
 
-    It is 0 if it is not known.
+    0 if it is not known.
     """
     home = flight.mission.home
     if home and home.altitude:
