@@ -104,7 +104,7 @@ _SHARED = typer.main.get_command(_of_all).params  # the options --quiet and --ve
 class _Command(TyperCommand):
     """A command with --quiet and --verbose.
 
-    It takes negative numbers and Ctrl-C.
+    Negative numbers are no options, and Ctrl-C ends the command with exit code 130.
     """
 
     def __init__(self, *arguments: Any, **settings: Any) -> None:
@@ -112,7 +112,7 @@ class _Command(TyperCommand):
         self.params += _SHARED
         for option in self.params:
             if option.name in PAIRS:
-                option.nargs = 2
+                option.nargs = 2  # typer knows no list of pairs
 
     def invoke(self, ctx: Any) -> Any:
         try:
@@ -133,7 +133,8 @@ class _Command(TyperCommand):
 def examples(words: str) -> list[str]:
     """The examples of a command, or of the program.
 
-    A command is such as `new` or `new solver`. The program has one example each of three commands.
+    `words` is a command, such as `new` or `new solver`. Empty, it stands for the program, which has
+    one example each of three commands.
     """
     if not words:
         return [examples(name)[0] for name in ("solve", "run", "report")]
@@ -156,7 +157,7 @@ def _print_version(requested: bool) -> None:
 def _group(words: str, text: str, functions: Sequence[Callable[..., None]]) -> typer.Typer:
     """Commands behind `words`, called like their functions.
 
-    Their help ends with examples.
+    The help of each command ends with examples.
     """
     group = typer.Typer(
         help=text,

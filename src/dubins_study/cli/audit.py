@@ -46,7 +46,7 @@ def audit(
 def _audit_kaya(as_json: bool) -> list[str]:
     """Print the audit of Kaya's routes.
 
-    Its differences from the committed audit are returned.
+    Returns a sentence for each difference from the committed audit.
     """
     from dubins_study.experiments.definition.experiment import read
     from dubins_study.experiments.plan.scenarios import scenarios
@@ -69,7 +69,8 @@ def _audit_kaya(as_json: bool) -> list[str]:
 def routes_text(records: list[Record]) -> str:
     """The audit of routes as text.
 
-    It has the table of the report, the shortest path of each route, and the wrong printed lengths.
+    The text has the table of the report, the word of each shortest route, and the wrong printed
+    lengths. `records` are the results of `audit_routes`.
     """
     import pandas as pd
 
@@ -89,7 +90,7 @@ def routes_text(records: list[Record]) -> str:
 def _audit_paper(as_json: bool) -> list[str]:
     """Print the audit of the paper's tables.
 
-    Its contradictions with the committed audit are returned.
+    Returns a sentence for each contradiction with the committed audit.
     """
     from dubins_study.report.paper.audit import audit as recompute
     from dubins_study.report.paper.audit import contradictions
@@ -107,7 +108,7 @@ def _audit_paper(as_json: bool) -> list[str]:
 def audit_text(record: Record) -> str:
     """The audit of the paper as text.
 
-    It tells how many printed lengths are right, and has the tables of the report.
+    The text tells how many printed lengths are right, and has the tables of the report.
     """
     from dubins_study.report.topics.audit_tables import audit_tables
 

@@ -46,9 +46,9 @@ def experiments(
 
 
 def experiment_text(summary: Mapping[str, Any]) -> str:
-    """One experiment as text.
+    """One experiment as text, with a line per solver.
 
-    It tells the question, the numbers, and the solvers, one a line.
+    `summary` is the result of `experiments.plan.cells.overview`.
     """
     limits = f"{summary['time_limit_s']:g} s and {summary['memory_limit_gib']:g} GiB a solve"
     fields = {

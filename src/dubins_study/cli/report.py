@@ -55,7 +55,7 @@ def report(
 def _summary(page: FilePath) -> pd.DataFrame:
     """The summary table of a report.
 
-    It is empty if the report's folders hold no rows.
+    The table is empty if the report's folders hold no rows.
     """
     import pandas as pd
 
@@ -71,7 +71,7 @@ def _summary(page: FilePath) -> pd.DataFrame:
 
 
 def report_json(page: FilePath) -> str:
-    """The page's path and the summary as JSON.
+    """The page's path and the summary as JSON text.
 
     The summary has the columns of tables/summary.csv.
     """

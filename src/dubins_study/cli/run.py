@@ -96,8 +96,9 @@ def run(
 def _interruptible(restart: bool, counts: list[int]) -> Iterator[Interruption]:
     """Exit with code 130 after an interruption.
 
-    A message tells how to go on. The block begins before the imports that take long: a library
-    whose import is interrupted raises strange errors.
+    A message tells how to go on. `counts` is empty, or has the numbers of cells done and of all
+    cells. The block begins before the imports that take long: a library whose import is interrupted
+    raises strange errors.
     """
     from dubins_study.experiments.interruption import Interruption
 

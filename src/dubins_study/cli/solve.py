@@ -99,7 +99,8 @@ def _answers(
 ) -> tuple[Answer, Answer | None]:
     """The answer, and a tour's in the given order.
 
-    The second is the shortest route through a tour's points in the order in which they are given.
+    The second answer is the shortest route through a tour's points in the order in which they are
+    given; None if the question is no tour, or its answer has no order.
     """
     from dubins_study.experiments.solve import solve as ask
     from dubins_study.study.tolerances import SEARCH_S

@@ -42,9 +42,9 @@ def solvers(
 
 
 def solver_text(entry: Entry) -> str:
-    """One solver as a list.
+    """One solver as lines of names and values.
 
-    It tells the kind of solver, the questions that it answers, and its settings with their values.
+    They tell the solver's method, the questions that it answers, and its settings.
     """
     return listing(
         {

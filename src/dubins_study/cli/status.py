@@ -74,9 +74,9 @@ def _state(progress: Status) -> str:
 
 
 def _largest(counts: Mapping[str, int]) -> str:
-    """The sum, and the names with largest counts.
+    """The sum, and the names with the largest counts.
 
-    It tells how many more names there are.
+    An example is `12: ipopt 5, slsqp 4, piqp 2, osqp 1`. Further names are counted.
     """
     largest = Counter(counts).most_common(_MOST_NAMES)
     text = ", ".join(f"{name} {number}" for name, number in largest)

@@ -1,7 +1,7 @@
 """Problems of an answer, in words.
 
-They tell what was seen, and what to do about it. The mix-up behind a path that misses is guessed
-from the path alone: by the question for which the path would be right.
+The words tell what was seen, and what to do about it. The mix-up behind a path that misses is
+guessed from the path alone: by the question for which the path would be right.
 """
 
 from __future__ import annotations
@@ -99,9 +99,9 @@ def problems(interview: Interview, seen: Seen) -> list[Finding]:
 
 
 def _of_point(answer: Answer) -> Iterator[_Observed]:
-    """Problems of a primal and dual point.
+    """Yield the problems of a primal and dual point.
 
-    The proof of a frozen convex problem finds them.
+    The point is the answer to a frozen convex problem, whose proof has judged it.
     """
     if answer.false_claim:
         observed = (
@@ -116,7 +116,7 @@ def _of_point(answer: Answer) -> Iterator[_Observed]:
 
 
 def _of_path(interview: Interview, answer: Answer) -> Iterator[_Observed]:
-    """Problems of a path and its claim.
+    """Yield the problems of a path and its claim.
 
     The path is missing, does not arrive, or contradicts the claim.
     """
@@ -129,6 +129,7 @@ def _of_path(interview: Interview, answer: Answer) -> Iterator[_Observed]:
     elif claim is Claim.INFEASIBLE:
         advice = "INFEASIBLE says that no path exists; a path in the answer contradicts it"
         yield Part.CLAIM, Status.FAIL, "it claims infeasible and returns a path", advice
+    # a path that misses is no problem if none exists and the solver claims no success
     elif answer.verdict is Verdict.MISSES and not (honest and absent):
         reason = miss_reason(answer.scenario, path, answer.branch, interview.tolerances)
         if honest:
@@ -142,6 +143,11 @@ def _of_path(interview: Interview, answer: Answer) -> Iterator[_Observed]:
 
 
 def _without_path(answer: Answer) -> Iterator[_Observed]:
+    """Yield the problem of an answer without a path.
+
+    A claim of success is false. If a path exists, "infeasible" is false, and any other claim is
+    worth a note.
+    """
     claim = answer.claim
     if claim in _SUCCESS:
         advice = "return the path with the claim; without one, claim FAILED"
@@ -169,7 +175,10 @@ def _without_path(answer: Answer) -> Iterator[_Observed]:
 
 
 def _advice(interview: Interview, answer: Answer, path: Path) -> str:
-    """Advice about a path that misses."""
+    """Advice about a path that misses.
+
+    Causes are tried one after another; the first that fits is the advice.
+    """
     scenario = answer.scenario
     branch = answer.branch
     tolerances = interview.tolerances
@@ -226,7 +235,7 @@ def _advice(interview: Interview, answer: Answer, path: Path) -> str:
 
 
 def _of_length(answer: Answer, guarantee: str) -> Iterator[_Observed]:
-    """Problems of a path's length.
+    """Yield the problems of a path's length.
 
     The path arrives but is longer, or the claimed length is not its own.
     """
@@ -258,9 +267,9 @@ def _of_length(answer: Answer, guarantee: str) -> Iterator[_Observed]:
 
 
 def _orders(answer: Answer) -> str:
-    """The difference between a tour's order and the shortest's.
+    """Words that compare a tour's order with the shortest's.
 
-    It is empty for other questions.
+    Empty if the question is no tour.
     """
     best = reference_of(answer.scenario, answer.branch).path
     if answer.order is None or best is None:
@@ -289,7 +298,9 @@ def _of_bound(answer: Answer) -> Iterator[_Observed]:
 def united(*findings: Iterable[Finding]) -> list[Finding]:
     """The findings, one for each reason.
 
-    Of those with the same reason, the first is taken, with their count.
+    Of the findings with one reason the first is kept, and its `count` is the sum of all counts.
+    They have the same part, status and last frame, and the same advice. Findings about no answer
+    have the same observation instead.
     """
     groups: dict[tuple[object, ...], list[Finding]] = {}
     for finding in chain(*findings):
@@ -316,9 +327,10 @@ _POSITIONS = (
 
 
 def mix_ups(s: Scenario, path: Path) -> Iterator[tuple[str, Scenario, FloatArray, FloatArray]]:
-    """Each mix-up: its advice, question and controls.
+    """Yield mix-ups: advice, question, curvatures, lengths.
 
-    The advice is for the author; the question and the controls are those without the mix-up.
+    The advice is for the author. If the path with these controls arrives in this question, the
+    author has made that mistake.
     """
     k = path.curvatures
     lengths = path.lengths
@@ -368,12 +380,11 @@ def cause_of(scenario: Scenario, path: Path) -> str:
 
 
 def visit_cause(scenario: Scenario, path: Path) -> str:
-    """The point that a path leaves out, as advice.
+    """Advice about what a path leaves out.
 
-    The path leaves it out on its way to its end. The text is empty if the path ends at no point of
-    the question.
-
-    A closed path, and one that is free to pass its points in any order, may end at a wrong one.
+    The path may leave out a point, the order, or a heading. The text is empty if it leaves out
+    nothing, or ends away from the target. Only a closed path, and one whose order is free, gets
+    advice if it ends at a via point.
     """
     end = path.end
     radius = scenario.radius
@@ -434,7 +445,7 @@ def _differ(one: float, other: float) -> bool:
 
 
 def length_cause(scenario: Scenario, path: Path) -> str:
-    """Cause of a longer path, as advice.
+    """The cause of a longer path, as advice.
 
     The path arrives, but is longer than the shortest of its word. The text is empty if the cause is
     unknown.

@@ -1,6 +1,6 @@
 """Checks of a solver's declaration, process and time.
 
-They look at the solver's words about itself, and at its effects on its process and its time.
+The checks look at what a solver declares, and at its effects on its process and its time.
 """
 
 from __future__ import annotations
@@ -51,7 +51,10 @@ def broken(error: LoadError, spec: str, command: str) -> Finding:
 
 
 def loading(interview: Interview) -> Checked:
-    """A solver's declaration, once it is loaded."""
+    """Check a solver's declaration.
+
+    The findings are the problems that `observer.declaration` has seen.
+    """
     declared = interview.declared
     formulation, engine = declared["method"][:2]
     findings = [Finding(Status(status), *texts) for status, *texts in declared["problems"]]
@@ -59,7 +62,10 @@ def loading(interview: Interview) -> Checked:
 
 
 def _question(interview: Interview, place: int) -> Question:
-    """A simple question that the solver takes."""
+    """A simple question that the solver takes.
+
+    `place` is the question's index among those of one kind; it may be negative or too large.
+    """
     for kind in EVERY_KIND:
         scenarios = [*interview.taken(questions.OF_KIND[kind.name]).values()]
         branches = [branch for branch in kind.branches if interview.answers(branch)]
@@ -77,7 +83,11 @@ _BEYOND_S = 1.0
 
 
 def limits(interview: Interview) -> Checked:
-    """Ask with a limit of a twentieth second."""
+    """Check the time of a solve limited to 0.05 s.
+
+    A solver that promises `keeps_limit` fails if it takes over a second more. Any other gets a note
+    if a run would have ended it.
+    """
     promised = interview.declared["keeps_limit"]
     question = _question(interview, _ALL_AT_ONCE)
     interview.ask(question)  # the libraries are loaded by now
@@ -121,7 +131,8 @@ _ASKED_AGAIN = (0, 1, -2, -1)
 def determinism(interview: Interview) -> Checked:
     """Ask some questions three times.
 
-    The second time is after other questions, the third in a new process.
+    The second time is after other questions, the third in a new process. Answers that took the
+    whole limit are not compared.
     """
     repeated = [_question(interview, place) for place in _ASKED_AGAIN]
     first = [interview.ask(question) for question in repeated]
@@ -195,11 +206,11 @@ _ADVICE = {
 
 
 def state(interview: Interview) -> Checked:
-    """Traces that all questions so far have left.
+    """Check for traces that the questions have left.
 
-    Libraries load with the first question.
-
-    At least the general questions: they are asked now if no other check has asked them.
+    All questions so far count; the general ones are asked now if no other check has asked them.
+    Traces are changed state of the process, files in its folder, and printed text. Text does not
+    count if modules were imported: libraries may print at loading.
     """
     for number in range(len(questions.GENERAL)):
         interview.ask(_question(interview, number))

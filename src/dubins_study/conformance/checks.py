@@ -53,12 +53,11 @@ def _best_paths(
     parts: tuple[Part, ...] = _ALL,
     pathless: bool = False,
 ) -> Callable[[Interview], Checked]:
-    """A check of the best paths of scenarios.
+    """A function that checks the best paths of scenarios.
 
-    It reports problems of the kinds `parts`.
-
-    Only scenarios that the solver takes are asked. If `pathless`, a solver of a kind without paths
-    is asked for the points of that kind.
+    The function asks about the scenarios that the solver takes, and reports the problems of `parts`
+    of the answers. If `pathless`, a solver of a kind without paths is asked for the points of that
+    kind.
     """
 
     def run(interview: Interview) -> Checked:
@@ -91,9 +90,9 @@ def _takes_only(interview: Interview) -> str:
 def _wrong(
     interview: Interview, answers: Iterable[Seen], parts: tuple[Part, ...] = _ALL
 ) -> list[Finding]:
-    """The problems of answers.
+    """Findings about the given parts of answers.
 
-    Problems of missing answers are added to every check that has asked.
+    Findings about a missing answer have the part `OUTCOME`; `_results` adds them to every check.
     """
     findings = chain.from_iterable(problems(interview, seen) for seen in answers)
     return [finding for finding in findings if finding.kind in parts]
@@ -115,7 +114,7 @@ def _branches(interview: Interview) -> Checked:
 
 
 def _warm(interview: Interview) -> Checked:
-    """Initial guesses that help, mislead and are empty."""
+    """Ask with initial guesses: helpful, misleading, empty."""
     if not (interview.declared["warm"] and interview.answers("best")):
         raise NotApplicableError("the solver takes no initial guess")
     if not interview.taken(questions.GENERAL):
@@ -239,9 +238,10 @@ def check_solver(
 
 
 def _results(interview: Interview, names: list[str]) -> Iterator[CheckResult]:
-    """The results of checks, one after another.
+    """Yield the result of each check.
 
-    The result of a check that is not reached tells why.
+    Findings about missing answers are added to those of the check that asked. The result of a check
+    that is not reached tells why.
     """
     stopped = ""
     for name in names:

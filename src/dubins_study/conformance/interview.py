@@ -38,7 +38,8 @@ UNANSWERED = "unanswered"
 class LoadError(DubinsStudyError):
     """The solver cannot be loaded.
 
-    Its own code raised (`frames` are its own), crashed or hung.
+    The solver's code raised, crashed or hung. `frames` is the traceback as text, without the frames
+    of this package; it is empty if nothing was raised.
     """
 
     def __init__(self, message: str, frames: str = ""):
@@ -75,8 +76,8 @@ class Worker:
     def ask(self, question: Question, limit: float) -> Observation:
         """Ask in the worker's process.
 
-        The result is that of `Observer.ask`. A process that ends meanwhile is replaced at the next
-        question.
+        The result is like that of `Observer.ask`, with what was printed. If the process ends
+        meanwhile, the reply says so, and the next question starts a new process.
         """
         process = self._load()
         task = ["ask", encode_question(question), limit]
@@ -92,7 +93,7 @@ class Worker:
     def _load(self) -> WorkerProcess:
         """The process, which has loaded the solver.
 
-        If there is none, a new one is started.
+        If there is none, a new one is started, and `declared` is set to its declaration.
         """
         if self._process is not None and not self._process.closed:
             return self._process
@@ -103,7 +104,7 @@ class Worker:
         event = self._process.request(["load"], allowance)
         if isinstance(event, Ended):
             raise LoadError(f"while it was loaded, {event.reply.solution.message}")
-        kind, value, *frames = event.value
+        kind, value, *frames = event.value  # an answer to "load", as in `observer.serve`
         if kind == "loaded":
             self.declared = value
             return self._process
@@ -125,9 +126,7 @@ class Worker:
 
 
 class Seen(NamedTuple):
-    """A judged answer, with what else was seen.
-
-    It was seen while the solver worked on the answer.
+    """A judged answer, with what the solver did meanwhile.
 
     `files` are new in the folder of the worker; `seconds` passed until the answer was here, and
     `limit` (s) was the question's.
@@ -144,7 +143,8 @@ class Seen(NamedTuple):
 class Interview:
     """Questions to one solver and its judged answers.
 
-    Each is asked once unless `again` is given.
+    Checks share the answers: a question that was asked before is not asked again unless a check
+    wants that.
 
     `limit` and `total_limit` are seconds for each question and for all; `seen` has every answer so
     far, in the order of asking.
@@ -170,7 +170,7 @@ class Interview:
     def counts(self) -> dict[str, int]:
         """Number of answers with each verdict.
 
-        They have the form of `ConformanceReport.answers`.
+        Answers without a verdict count as `unanswered`.
         """
         answers = [seen.answer for seen in self.seen]
         verdicts = [answer.verdict for answer in answers if answer.outcome is Outcome.RETURNED]
@@ -178,9 +178,9 @@ class Interview:
         return counts | {UNANSWERED: len(answers) - len(verdicts)}
 
     def worst_gap(self) -> float | None:
-        """The largest gap of longer paths, or None.
+        """The largest gap of paths that are judged longer.
 
-        These paths are longer than the shortest.
+        None if no path is longer than the shortest.
         """
         answers = [seen.answer for seen in self.seen if seen.answer.path is not None]
         gaps = [answer.gap or 0.0 for answer in answers if answer.verdict is Verdict.LONGER]
@@ -189,7 +189,7 @@ class Interview:
     def claimed(self) -> int:
         """Number of answers that claim something.
 
-        They claim a path, or that there is none.
+        Such an answer claims a path, or that there is none.
         """
         nothing = (Claim.FAILED, Claim.NONE, Claim.LIMIT)
         return sum(seen.answer.claim not in nothing for seen in self.seen)
@@ -199,9 +199,9 @@ class Interview:
         return branch in self.declared["branches"]
 
     def taken(self, scenarios: Mapping[str, Scenario]) -> dict[str, Scenario]:
-        """The scenarios that the solver takes.
+        """Those of the scenarios that the solver takes.
 
-        They need no more than it declares.
+        A scenario is left out if it needs what the solver does not declare in `takes`.
         """
         takes = set(self.declared["takes"])
         return {
@@ -213,9 +213,9 @@ class Interview:
     def ask(self, question: Question, *, again: bool = False, limit: float | None = None) -> Seen:
         """The judged answer to a question.
 
-        It is the earlier one unless `again`.
-
-        An UnfinishedError if the time for all questions is over, or too many were not answered.
+        An earlier answer to the same question is returned, unless `again` is set or the question
+        has an initial guess. `limit` (s) replaces the usual one. UnfinishedError is raised if the
+        time for all questions is over, or too many in a row had no answer in time.
         """
         key = (question.scenario, question.branch, question.repeat, limit)
         cold = question.initial_guess is None  # a guess is no part of the key
@@ -247,9 +247,8 @@ class Interview:
     def _new_files(self) -> tuple[str, ...]:
         """New files in the worker's folder.
 
-        They have appeared since the last question.
-
-        Those in its folder for temporary files, which is removed with it, are left out.
+        They are new since the question before. Files in the folder `TEMPORARY` are left out: it is
+        removed with the worker's folder.
         """
         folder = self.source.folder
         if folder is None:

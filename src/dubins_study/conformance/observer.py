@@ -72,7 +72,7 @@ class Observation(NamedTuple):
 class Observer:
     """A loaded solver in the caller's process.
 
-    It serves a debugger, and an `interview.Worker`.
+    Used under a debugger, and in the process of an `interview.Worker`.
     """
 
     folder = None
@@ -86,15 +86,17 @@ class Observer:
         self.declared = declaration(self.solver)
 
     def ask(self, question: Question, limit: float) -> Observation:
-        """The reply to a question, and its effects.
+        """The reply to a question, and the solve's effects.
 
-        They are the exception's traceback, and the state that changed.
+        The effects are the traceback of an exception, the names of changed state, and whether
+        modules were imported. `limit` is in seconds.
         """
         seed()
         raised: list[BaseException] = []
         modules = len(sys.modules)
         reply = ask(self.solver, question, limit, raised.append)
         loaded = len(sys.modules) != modules
+        # an import may change all state but `_NO_IMPORTS` for good, which is no fault
         changes = [name for name in self._state.changes() if not loaded or name in _NO_IMPORTS]
         if _children() > self._children:
             changes.append("child processes")
@@ -134,7 +136,7 @@ def own_frames(error: BaseException) -> str:
 def declaration(solver: Solver) -> dict[str, Any]:
     """A solver's declaration, in plain values.
 
-    It has the problems of the declaration too.
+    Its `problems` are tuples (status, what was seen, advice).
     """
     kind = type(solver)
     return {
@@ -151,9 +153,10 @@ def declaration(solver: Solver) -> dict[str, Any]:
 
 
 def _wrong_declaration(solver: Solver) -> Iterator[tuple[str, str, str]]:
-    """Problems of a declaration, with advice.
+    """Yield the problems of a declaration.
 
-    Each has its status (`conformance.report.Status`), what was seen, and what to do.
+    Each is (status, what was seen, advice), such as ("fail", "branches is empty", "expected ...").
+    The statuses are those of `conformance.report.Status`.
     """
     kind = type(solver)
     unknown = [name for name in kind.branches if name not in EVERY_BRANCH]
@@ -179,9 +182,10 @@ def _wrong_declaration(solver: Solver) -> Iterator[tuple[str, str, str]]:
 
 
 def _wrong_settings(solver: Solver) -> Iterator[tuple[str, str, str]]:
-    """Settings that a spec cannot set.
+    """Yield the problems of a solver's settings.
 
-    Settings that may change are problems too.
+    Each is (status, what was seen, advice). A problem is a setting that a spec cannot set, or a
+    class that is no frozen dataclass.
     """
     kind = type(solver)
     for key, value in settings(solver).items():
@@ -198,11 +202,11 @@ def _wrong_settings(solver: Solver) -> Iterator[tuple[str, str, str]]:
 def serve(channel: Channel, spec: str, profile: str, folder: str) -> None:
     """Answer the tasks of an `interview.Worker`.
 
-    This runs in a process of its own.
+    This runs in a process of its own, in `folder`.
 
     The first task is ["load"]; its answer is ["loaded", declaration], ["refused", message] or
     ["broken", message, traceback]. Any other task is ["ask", question, limit]; its answer is an
-    observation.
+    observation: [reply, traceback, changes, loaded].
     """
     bound_process(MEMORY_BYTES)
     os.chdir(folder)
@@ -231,6 +235,7 @@ def serve(channel: Channel, spec: str, profile: str, folder: str) -> None:
             seen = Observation(raised_answer(error), own_frames(error))
         with suppress(Exception):
             ctypes.CDLL(None).fflush(None)  # what C printed belongs to this question
+        # behind the reply: traceback, changes, loaded
         return [encode_reply(seen.reply), *seen[1:4]], False
 
     answer_tasks(channel, handle)

@@ -75,7 +75,8 @@ DISCS = labelled(
 def _near_circle(angle: float, distance: float) -> Scenario:
     """A target near the left circle.
 
-    It lies at an arc angle (rad), `distance` radii outside the circle.
+    `angle` (rad) is the arc along the circle from the start. The target lies `distance` radii
+    outside the circle, or inside if that is negative.
     """
     target = complex(0, 1) + cmath.rect(1 + distance, angle - math.pi / 2)
     return Scenario(target_x=target.real, target_y=target.imag)
@@ -109,9 +110,10 @@ AXIS = labelled(
 
 
 def changed(turn: float = 0.0, shift: complex = 0j, scale: float = 1.0) -> Scenario:
-    """The reference turned, moved and scaled.
+    """The reference turned, then moved, then scaled.
 
-    Start and target are turned (rad) about the origin.
+    Start and target are turned by `turn` (rad) about the origin and moved by `shift`, x + iy. Then
+    all lengths, the radius too, are multiplied by `scale`.
     """
     s = REFERENCE
     turned = cmath.rect(1, turn)
@@ -175,7 +177,7 @@ WITHOUT = {
 def command(spec: str, question: Question, limit: float, profile: str) -> str:
     """The command that asks a question again.
 
-    It has the same limit (s).
+    The command has the same limit (s) and profile.
     """
     row = {name: getattr(question.scenario, name) for name in COLUMNS}
     row |= {"solver": spec, "branch": question.branch, "profile": profile, "time_limit_s": limit}
@@ -185,7 +187,7 @@ def command(spec: str, question: Question, limit: float, profile: str) -> str:
 def check_command(spec: str, check: str, limit: float, profile: str) -> str:
     """The command that makes a check again.
 
-    It serves where one question does not show what was seen.
+    Findings that no single question shows have this command.
     """
     words = ["dubins-study", "check-solver", spec, "--check", check]
     if limit != TIME_LIMIT_S:

@@ -31,10 +31,7 @@ class Status(StrEnum):
 
 
 class Part(StrEnum):
-    """The part that a finding is about.
-
-    It is a part of an answer.
-    """
+    """Part of an answer that a finding is about."""
 
     OUTCOME = "outcome"
     CONTROLS = "controls"
@@ -142,7 +139,7 @@ class ConformanceReport:
         return iter(self.results)
 
     def with_status(self, status: Status) -> tuple[CheckResult, ...]:
-        """The checks that ended so."""
+        """The results of the checks with a status."""
         return tuple(result for result in self.results if result.status is status)
 
     def __str__(self) -> str:
@@ -190,7 +187,7 @@ _STATUS_TEXTS = {
 def report_text(report: ConformanceReport, width: int | None = None) -> str:
     """All checks, with their findings and the verdict.
 
-    Each check has a line, with its findings below; the verdict is last.
+    A check has a line, with its findings below. The verdict comes last.
 
     Lines fit the terminal's `width` and 100 characters; commands and tracebacks are never broken.
     """
@@ -221,7 +218,8 @@ def report_text(report: ConformanceReport, width: int | None = None) -> str:
 def _together(result: CheckResult) -> tuple[Status, object]:
     """The key of checks that share a line.
 
-    Checks that were not made for one reason share one; every other check has its own.
+    Checks that were not made, all for one reason, have the same key. Every other check has a key of
+    its own.
     """
     if result.status is Status.NOT_ASKED and not result.findings:
         return result.status, result.summary
@@ -229,6 +227,7 @@ def _together(result: CheckResult) -> tuple[Status, object]:
 
 
 def _finding_text(finding: Finding, width: int) -> str:
+    """A finding as lines: observation, advice, traceback, command."""
     observed = plain(finding.observed)
     if finding.question:
         observed = f"{plain(finding.question)}: {observed}"
@@ -251,9 +250,11 @@ def _wrapped(text: str, width: int, hanging: str = "") -> str:
 
 
 def _verdict(report: ConformanceReport) -> Iterator[str]:
-    """Sentences about the checks and the answers.
+    """Yield the sentences at the end of a report.
 
-    They tell whether the report passed, how many checks ended how, and how many answers.
+    The first tells whether the report passed, the number of checks by status, and longer paths. The
+    second has the number of questions, the time, and the answers by verdict. A third follows if
+    no answer claims anything.
     """
     counts = [
         f"{len(report.with_status(status))} {name}"

@@ -72,7 +72,8 @@ def _plain(value: Any) -> Any:
 def solver_sources(spec: str, solver_class: type[Any]) -> Sources:
     """The source files on which a solver's rows depend.
 
-    Of a plug-in: its file, or its whole package.
+    These are the files of the solver's room, or a plug-in's file or whole package. Rooms that they
+    name, the room that judges, and `study` are included.
     """
     module = solver_class.__module__
     plugin = plugin_file(name_of(spec))
@@ -126,7 +127,7 @@ def study_sources() -> Sources:
 def _installed_plugin(package_name: str) -> Sources:
     """All modules of an installed plug-in.
 
-    They are those of the entry point's top-level package, or its single module.
+    `package_name` is the entry point's top-level package, or its single module.
     """
     package = sys.modules[package_name]
     folders = [FilePath(folder) for folder in getattr(package, "__path__", ())]
@@ -144,7 +145,7 @@ def _read_all(root: FilePath, files: Iterable[FilePath]) -> Sources:
 
 @cache
 def _read(file: FilePath) -> bytes:
-    """The syntax of a file.
+    """The code of a file, without comments and docstrings.
 
     A file that is not Python gives its bytes.
     """
@@ -161,7 +162,7 @@ def _read(file: FilePath) -> bytes:
 class _Bare(ast.NodeTransformer):
     """Removes docstrings and other statements of a constant alone.
 
-    Imports name whole modules.
+    `from a.b import c` becomes `import a.b.c`, so that a room is found by its dotted name.
     """
 
     def visit_ImportFrom(self, node: ast.ImportFrom) -> ast.Import:

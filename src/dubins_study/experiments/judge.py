@@ -101,8 +101,8 @@ def judge_answers(
 ) -> pd.DataFrame:
     """Judge a file's answers to an experiment's questions.
 
-    They are judged by their controls alone. A question without an answer has a row too, with the
-    outcome `not_asked`: it stays in every share.
+    An answer's path is judged by its controls alone. A question without an answer has a row too,
+    with the outcome `not_asked`: it stays in every share.
 
     Args:
         file: a .csv file with the columns `COLUMNS`, lists with spaces between the numbers, or a
@@ -200,12 +200,16 @@ def _store(folder: FilePath, new: Manifest, settings: RunSettings, rows: list[Ro
 
 
 def read_answers(file: FilePath, by_id: dict[str, Asked]) -> dict[tuple[str, str], Reply]:
-    """The answers of a file, by id and method."""
+    """The answers of a file, by id and method.
+
+    A row without a method has the file's name as its method. All mistakes are refused together.
+    """
     table = _table(file)
     missing = [name for name in COLUMNS if name not in table.names]
     # such as the other columns of instances.csv
     others = [name for name in table.names if name not in COLUMNS and not nearest(name, missing)]
     names = [name for name in table.names if name not in others]
+    # the columns of `COLUMNS` behind the required ones may be left out
     problems = table.problems + column_problems(names, _REQUIRED, COLUMNS[3:])
     answers: dict[tuple[str, str], Reply] = {}
     places: dict[tuple[str, str], str] = {}
@@ -261,9 +265,10 @@ def _table(file: FilePath) -> Table:
 
 
 def _path(answer: Given, by_id: dict[str, Asked]) -> Path | None:
-    """The path of an answer.
+    """The path of an answer, or None.
 
-    None if the answer has no controls.
+    None if the answer has no controls. An answer with an unknown id, a method named like our
+    solvers, or wrong controls is refused.
     """
     if answer.id not in by_id:
         near = did_you_mean(answer.id, by_id)

@@ -51,7 +51,7 @@ def _version(package: str) -> str:
 def machine() -> dict[str, str | int]:
     """The kind of this machine.
 
-    Its name and its paths are private and left out.
+    The machine's name and paths are private and left out.
     """
     return {
         "system": f"{platform.system()} {platform.machine()}",
@@ -93,7 +93,7 @@ def governor(cpus: FilePath = FilePath("/sys/devices/system/cpu")) -> str:
 def load_average() -> list[float]:
     """Mean numbers of processes that wanted a core.
 
-    They are means over the last 1, 5 and 15 minutes.
+    The list has the means over the last 1, 5 and 15 minutes.
     """
     return [round(value, 2) for value in psutil.getloadavg()]
 

@@ -90,9 +90,10 @@ def export_suite(
 
 
 def best_known(question: Asked, allowed: Tolerances) -> Answer:
-    """The shortest path that the check knows.
+    """The check's shortest path, as a judged answer.
 
-    It is judged, with the proven interval.
+    The answer has the proven interval around the shortest length. A question about a frozen convex
+    problem has no path.
     """
     scenario = question.scenario
     branch = question.branch
@@ -105,9 +106,10 @@ def best_known(question: Asked, allowed: Tolerances) -> Answer:
 
 
 def _instance(id_: str, question: Asked, allowed: Tolerances) -> dict[str, Any]:
-    """A row of the table.
+    """Column -> text, for a row of the table.
 
-    Lists are numbers with spaces between them, as in files of scenarios.
+    Lists are numbers with spaces between them, as in files of scenarios. `open` is `true` if the
+    proven interval is wider than the tolerance.
     """
     scenario = question.scenario
     best = best_known(question, allowed)

@@ -124,7 +124,7 @@ def _solve(
 ) -> None:
     """Solve the cells, and write their rows.
 
-    Rows are written as they come, then united in one part.
+    Rows are written as they come, then united in one part. The folder is locked by the caller.
     """
     folder = plan.folder
     experiment = plan.experiment_file.experiment
@@ -156,6 +156,8 @@ def _solve(
             _LOG.warning("dubins-study: %s: %s", folder, sentence)
     writer = PartWriter(folder, settings.run_id, len(keys), progress)
     writer.skip(keys & done_keys)
+    # Without cells to solve, the manifest changes only if this run finishes the folder: not if it
+    # is finished already, nor if cells of another solver are left.
     recorded_as_finished = manifest.finished is not None or not completes
     if recorded_as_finished and not cells_left:
         return
@@ -191,9 +193,9 @@ def _solve(
 
 
 def _other_limits(manifest: Manifest, settings: RunSettings) -> Iterator[str]:
-    """Sentences about rows made under other limits.
+    """Yield sentences about earlier runs' other limits.
 
-    They name these limits and the limits that are asked for.
+    A sentence names the limits of the earlier runs and the one that is asked for.
     """
     for name, limit, unit in (
         ("time_limit_s", "time limit", "s"),
@@ -212,7 +214,7 @@ def _other_limits(manifest: Manifest, settings: RunSettings) -> Iterator[str]:
 def _new_manifest(plan: RunPlan, command: str) -> Manifest:
     """The manifest of a folder with only this experiment.
 
-    Its cells are not counted yet.
+    The cells are not counted yet.
     """
     profile = plan.experiment_file.experiment.profile
     solvers = {spec: describe_solver(spec, profile) for spec in plan.solver_specs}
@@ -236,7 +238,8 @@ def new_manifest(
 ) -> Manifest:
     """The manifest of a folder about an experiment.
 
-    It has the versions of some packages.
+    `solvers` has the entries by spec. The versions of `packages` are recorded. Cells are counted
+    later.
     """
     experiment = file.experiment
     pairs = []

@@ -161,7 +161,7 @@ def solve_frame(
 def _described(spec: str, profile: str) -> Solver | SolverDescription:
     """The solver of a spec, or a plug-in's description.
 
-    A plug-in is not loaded here before it is asked.
+    A plug-in is not loaded in this process to describe it.
     """
     if ours(spec):
         return load(spec, profile)
@@ -173,7 +173,11 @@ def _described(spec: str, profile: str) -> Solver | SolverDescription:
 def _in_worker(
     solver: Solver | SolverDescription, isolated: bool | None, *, frames: bool = False
 ) -> bool:
-    """Whether a solver is asked in a worker process."""
+    """Whether a solver is asked in a worker process.
+
+    `analytic` never is. For others `isolated` decides; if it is None, a worker is used unless the
+    solver keeps its limit. With `frames`, a plug-in that answers whole frames needs none either.
+    """
     if isolated is not None and not isinstance(isolated, bool):
         raise QuestionError(f"isolated is {short(isolated)}; expected True, False or None")
     if isinstance(solver, Analytic):
@@ -185,9 +189,10 @@ def _in_worker(
 
 
 def _ctrl_c() -> AbstractContextManager[object]:
-    """Let Ctrl-C end the block.
+    """A `with` block that Ctrl-C ends.
 
-    The block's end raises if a library has swallowed the exception, as casadi does.
+    If a library swallows the KeyboardInterrupt, as casadi does, the block's end raises it. If the
+    caller has a handler for Ctrl-C, nothing is changed.
     """
     if signal.getsignal(signal.SIGINT) is not signal.default_int_handler:
         return nullcontext()

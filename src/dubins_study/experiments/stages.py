@@ -1,8 +1,8 @@
 """The stages of a `rising` run, by size.
 
 In each stage cells of one size are solved; a run that is not `rising` has one stage. The size of a
-route is its number of legs. A solver that finds the shortest route of none with one number of legs
-is not asked the longer ones of the same label; their rows say so.
+route is its number of legs. If a solver solves no question of one size, it is not asked about
+larger ones of the same label. The rows of these have the outcome `not_asked`.
 """
 
 from __future__ import annotations
@@ -26,7 +26,8 @@ _UNTOLD = (Outcome.UNSUPPORTED, Outcome.UNAVAILABLE)
 def stages(chains: list[Chain], rising: bool) -> list[list[Chain]]:
     """The chains of each stage, by rising size.
 
-    A warm sweep is in the stage of its first cell.
+    Each inner list is one stage. Without `rising` all chains are in one stage. A warm sweep is in
+    the stage of its first cell.
     """
     by_size: dict[int, list[Chain]] = {}
     for chain in chains:
@@ -38,13 +39,14 @@ def stages(chains: list[Chain], rising: bool) -> list[list[Chain]]:
 
 
 def not_asked(folder: FilePath, unit: WorkUnit) -> tuple[WorkUnit, list[Row]]:
-    """Cells of a stage to ask; rows of others.
+    """Split a stage: cells to ask, and rows.
 
-    A cell is not asked if its solver has solved no question of the next smaller size and the same
-    label.
+    Returns the unit with the chains that are asked, and a row for each cell that is not. A cell is
+    not asked if its solver has solved no question of the next smaller size and the same label.
     """
     rows = read_rows(folder, [*COLUMNS, "verdict", "outcome"]).to_pylist()
-    solved: dict[tuple[str, str], dict[int, bool]] = {}  # by solver and label, then by size
+    # (solver, label) -> size -> whether a question is solved; an outcome of `_UNTOLD` counts too
+    solved: dict[tuple[str, str], dict[int, bool]] = {}
     for row in rows:
         sizes = solved.setdefault((row["solver"], row["label"]), {})
         legs = scenario_of(row).legs

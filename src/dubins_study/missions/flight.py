@@ -72,7 +72,7 @@ class Flight:
     def stops(self) -> list[Waypoint]:
         """The mission's points in the order of passing.
 
-        There are none if some are missed.
+        Empty if the path misses some of them.
         """
         return self._at([length for length, _ in self._passed])
 
@@ -100,16 +100,17 @@ class Flight:
             marks.append(total)
         lengths: list[float] = []
         for begin, end in pairwise(marks):
-            # a last part of rounding alone is none
+            # 1e-12: rounding alone adds no part
             parts = max(math.ceil((end - begin) / step * (1 - 1e-12)), 1)
             lengths += np.linspace(begin, end, parts, endpoint=False).tolist()
         return self._at([*lengths, marks[-1]])
 
     @cached_property
     def _passed(self) -> list[tuple[float, int]]:
-        """Length and place of each stop.
+        """Length and place of each stop, as passed.
 
-        The length is along the path; the place counts from 0 in the question.
+        The stops are in the path's order. The length is along the path. The place counts from 0 in
+        the question, and the target is the last. Empty if the path does not arrive.
         """
         scenario = self.answer.scenario
         visits = self.answer.visits or []
@@ -123,10 +124,11 @@ class Flight:
     def _at(self, lengths: Sequence[float]) -> list[Waypoint]:
         """The waypoints at rising lengths along the path.
 
-        They include the stops that are passed there.
+        Where a length is that of a stop, the waypoint has the stop's number and name.
         """
         x, y, heading = self.path.at(lengths).T
         compass = 0.5 * math.pi - heading
+        # for each waypoint longitude, latitude and, on Earth, convergence (rad)
         degrees: Sequence[Sequence[float | None]] = [(None, None)] * len(lengths)
         if self.mission.plane is not None:
             points = np.column_stack((x, y))
@@ -171,7 +173,7 @@ class Flight:
         return self.given_name(place) or default
 
     def given_name(self, place: int) -> str:
-        """The name of a stop, or nothing.
+        """The name of a stop, or an empty text.
 
         `place` is the stop's number in the question, from 1.
         """
@@ -185,13 +187,15 @@ class Flight:
     def _altitudes(self, lengths: Sequence[float]) -> list[float | None]:
         """The altitudes at lengths along the path.
 
-        They lie between the stops that have one.
+        Between stops that have an altitude it is interpolated, before the first and behind the last
+        it stays. All are None if no stop has one.
         """
         points = dict(enumerate(self.mission.points))
         if self.mission.home is not None and not self.mission.above_home:
             # the path starts there, and a closed one ends there
             points |= {-1: self.mission.home, len(points): self.mission.home}
         marks = []
+        # place -1 is the start
         for length, place in [(0.0, -1), *self._passed]:
             point = points.get(place)
             if point and point.altitude is not None:
@@ -206,7 +210,7 @@ class Flight:
 def flight_of(answer: Answer, mission: Mission) -> Flight | None:
     """The flight of an answer, or None.
 
-    It is None if the answer has no finite path.
+    None means that the answer has no finite path.
     """
     if answer.path is None or answer.length is None:
         return None
@@ -216,7 +220,7 @@ def flight_of(answer: Answer, mission: Mission) -> Flight | None:
 def bank_radius(speed: float, bank: float) -> float:
     """The radius (m) of a level turn.
 
-    It is v**2 / (g tan bank).
+    The radius is v**2 / (g tan bank).
 
     Args:
         speed: m/s, above 0.
@@ -236,7 +240,7 @@ def bank_radius(speed: float, bank: float) -> float:
 def too_tight(radius: float, speed: float, bank: float) -> str | None:
     """A warning if the bank allows no such radius.
 
-    The bank and the speed allow radii from a least one on.
+    None if the radius is at least that of a level turn with the bank (rad) at the speed (m/s).
     """
     least = bank_radius(speed, bank)
     if radius >= least:

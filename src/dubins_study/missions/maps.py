@@ -17,7 +17,7 @@ from dubins_study.missions.reading import Reading, each, point_of, reading_of
 
 
 def read_xml(text: str, compass: bool) -> Reading:
-    """The points of GPX or KML.
+    """Read the points of GPX or KML.
 
     The first element tells which format it is.
     """
@@ -37,10 +37,11 @@ def _tag(element: Any) -> str:
 
 
 def _read_gpx(root: Any) -> Reading:
-    """The points of routes, of waypoints or of tracks.
+    """Read the points of routes, waypoints or tracks.
 
-    The first of these that the file has are taken.
+    Only the first of these three that the file has are read.
     """
+    # points become features of GeoJSON, which `_read_features` reads
     kinds = ("rtept", "wpt", "trkpt")
     features = []
     for kind in kinds:
@@ -53,10 +54,11 @@ def _read_gpx(root: Any) -> Reading:
 
 
 def _read_kml(root: Any) -> Reading:
-    """The points of placemarks.
+    """Read the points of placemarks.
 
-    If there are none, those on the placemarks' lines and tracks are taken.
+    If there are none, the points of the placemarks' lines and tracks are read.
     """
+    # placemarks become features of GeoJSON, which `_read_features` reads
     features = []
     for placemark in root.iterfind(".//{*}Placemark"):
         properties = {"name": placemark.findtext("{*}name")}
@@ -72,9 +74,10 @@ def _read_kml(root: Any) -> Reading:
 
 
 def read_geojson(content: Any, compass: bool) -> Reading:
-    """The points of features, else those on their lines.
+    """Read the points of features, else of their lines.
 
-    They are metres or the like where a member `crs` is not WGS 84, or numbers are no degrees.
+    The numbers are longitudes and latitudes. If a member `crs` names another system than WGS 84, or
+    if a number is too large for degrees, they are lengths on a plane.
     """
     reading = _read_features("GeoJSON", content.get("features", [content]), compass)
     crs = content.get("crs")
@@ -91,9 +94,10 @@ def _read_features(
     compass: bool = False,
     kinds: Sequence[str] = ("Point", "LineString"),
 ) -> Reading:
-    """The points of GeoJSON's features.
+    """Read the points of GeoJSON's features.
 
-    They are those of the first of the kinds of geometry that there is.
+    Only geometries of one kind are read: the first of `kinds` that any feature has. Features of
+    other kinds are counted as passed over.
     """
     counts = Counter(map(_kind, features))
     kind = next((name for name in kinds if name in counts), kinds[0])
@@ -103,7 +107,7 @@ def _read_features(
         if kind == "LineString":  # its name is not that of its points
             properties = {}
         for position in _positions(_geometry(feature)["coordinates"]):
-            # a position may have its own altitude
+            # a position may have a third number, its own altitude, which counts first
             x, y, altitude = [*position, properties.get("altitude")][:3]
             yield point_of({**properties, "x": x, "y": y, "altitude": altitude}, compass)
 
@@ -113,7 +117,10 @@ def _read_features(
 
 
 def _geometry(feature: Any) -> Any:
-    """The geometry of a feature, or a single one."""
+    """The geometry of a feature.
+
+    A geometry that stands without a feature is returned as it is.
+    """
     return feature.get("geometry", feature) or {"type": "without geometry"}
 
 

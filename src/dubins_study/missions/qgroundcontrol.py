@@ -45,9 +45,9 @@ _ABOVE_HOME = (3, 6)  # frames whose altitudes are above home
 
 
 def read_plan(content: Any, source: str = "QGroundControl plan") -> Reading:
-    """The places of a plan's items, and its home.
+    """Read the points of a plan, and its home.
 
-    Places of surveys are included; home is the planned home position.
+    The points are those of its items, surveys included. Home is the planned home position.
     """
     passed: Counter[str] = Counter()
     mission = content["mission"]
@@ -61,9 +61,10 @@ def read_plan(content: Any, source: str = "QGroundControl plan") -> Reading:
 
 
 def read_wpl(text: str, compass: bool) -> Reading:
-    """The places of the lines.
+    """Read the points of QGC WPL 110.
 
-    The first line is the home position.
+    The first line is the format's name, the second the home position. A line's cells are: number,
+    current, frame, command, four parameters, latitude, longitude, altitude, autocontinue.
     """
     _, home, *rows = [line.split() for line in text.splitlines() if line.strip()]
     items = [{"frame": row[2], "command": row[3], "params": row[4:11]} for row in rows]
@@ -72,10 +73,11 @@ def read_wpl(text: str, compass: bool) -> Reading:
 
 
 def _places(item: Any, passed: Counter[str], home: list[MissionPoint]) -> list[MissionPoint]:
-    """The places of an item of a plan.
+    """The points of an item of a plan.
 
-    A survey has several places. An item without a place is counted. A takeoff or a landing at the
-    home position is no point to pass.
+    A survey has several points. The list is empty for an item without a place, and for a takeoff or
+    landing at the home position: `passed` counts these by name, and is changed in place. `home` has
+    the home position, above which altitudes are returned, or is empty.
     """
     transects = item.get("TransectStyleComplexItem") or {}
     if corners := transects.get("VisualTransectPoints"):

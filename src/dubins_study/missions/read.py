@@ -75,7 +75,7 @@ def read_mission(
 
 
 def _read_json(text: str, compass: bool) -> Reading:
-    """The points of a plan or of GeoJSON.
+    """Read the points of a plan or of GeoJSON.
 
     The members of the object tell which of them it is.
     """
@@ -97,6 +97,7 @@ _FORMATS = (
 
 
 def _reading(text: str, columns: Sequence[str] | None, compass: bool) -> Reading:
+    """Read a text in the format that it shows."""
     if not text.strip():
         raise MissionError("the file is empty; expected points")
     for mark, read in _FORMATS:
@@ -112,9 +113,11 @@ def _mission(
 ) -> Mission:
     """The mission of a reading.
 
-    Its points lie on a plane and do not repeat; notes and warnings are added.
+    The points are moved to a plane. Repeated points are refused, or left out with `drop_repeats`.
+    Notes and warnings are added.
     """
     points = list(reading.points)
+    # the home position goes through the same steps as the first point, and is taken out at the end
     if reading.home is not None:
         points.insert(0, reading.home._replace(where="the home position"))
     if len(points) > _MOST_POINTS:
@@ -163,9 +166,10 @@ def _speed(reading: Reading) -> float | None:
 
 
 def _on_plane(points: Points, plane: TangentPlane | None) -> tuple[Points, TangentPlane]:
-    """The points in metres.
+    """The points in metres, and their plane.
 
-    Their headings are counterclockwise from the plane's +x.
+    Without `plane`, it is the one at the middle of the points. Headings count from the plane's +x
+    then, no longer from the true east.
     """
     for point in points:
         with at(point.where):
@@ -183,7 +187,10 @@ def _on_plane(points: Points, plane: TangentPlane | None) -> tuple[Points, Tange
 
 
 def _without_repeats(points: Points) -> tuple[Points, str]:
-    """The points without repeats, and a sentence about these."""
+    """The points without repeats, and a sentence about repeats.
+
+    The sentence is empty if no point equals the one before it and the last is not the first.
+    """
     distinct = points[:1]
     repeats: Points = []
     for point in points[1:]:
@@ -204,9 +211,10 @@ def _same(one: MissionPoint, other: MissionPoint) -> bool:
 
 
 def _extent(points: Points, plane: TangentPlane | None) -> tuple[str, float]:
-    """A sentence about the points, and lengths' error.
+    """A sentence about the points, and the distortion.
 
-    It tells how many points there are, how far they reach, and where.
+    The sentence tells how many points there are, how far they reach, and where. The distortion is
+    the largest relative error of lengths on the plane, 0 without a plane.
     """
     xy = np.array([point[:2] for point in points])
     width, height = np.ptp(xy, axis=0)

@@ -59,7 +59,7 @@ def at(where: str) -> Iterator[None]:
 def text_of(file: str | FilePath) -> str:
     """The text of a file.
 
-    It is in UTF-8, or in UTF-16 with a byte order mark.
+    The file is in UTF-8, or in UTF-16 with a byte order mark.
     """
     try:
         content = FilePath(file).read_bytes()
@@ -80,7 +80,8 @@ def text_of(file: str | FilePath) -> str:
 def reading_of(source: str, points: Points, passed: Mapping[str, int], **fields: Any) -> Reading:
     """A reading with a note of skipped items.
 
-    It is refused if there are no points.
+    `passed` counts the skipped items by name; `fields` are other fields of the reading. Without
+    points, a MissionError is raised.
     """
     counts = ", ".join(f"{count} {name}" for name, count in passed.items() if count)
     if not points:
@@ -89,9 +90,10 @@ def reading_of(source: str, points: Points, passed: Mapping[str, int], **fields:
 
 
 def each(kind: str, items: Iterable[Any], read: Callable[[Any], Iterable[MissionPoint]]) -> Points:
-    """The points of all items.
+    """Read the points of all items.
 
-    A refusal names the item, such as `feature 3`.
+    `read` returns the points of one item. Each point is marked with its item, such as `feature 3`;
+    a refusal names it too.
     """
     points = []
     for count, item in enumerate(items, 1):
@@ -102,9 +104,10 @@ def each(kind: str, items: Iterable[Any], read: Callable[[Any], Iterable[Mission
 
 
 def point_of(fields: Mapping[str, Any], compass: bool = False) -> MissionPoint:
-    """The point of numbers, by the fields' names.
+    """The point with the given fields.
 
-    They may be texts of numbers. An empty field is not given.
+    `x` and `y` must be there. Values may be numbers or their texts; an empty value counts as
+    missing. With `compass`, the heading runs clockwise from north.
     """
     x = number_of(fields["x"])
     y = number_of(fields["y"])
@@ -125,9 +128,9 @@ def point_of(fields: Mapping[str, Any], compass: bool = False) -> MissionPoint:
 
 
 def number_of(value: Any) -> float:
-    """The number that a value or a text is.
+    """A value or a text as a number.
 
-    NaN if it is none, or not finite.
+    NaN if it is no number, or not finite.
     """
     try:
         if isinstance(value, str):
@@ -143,7 +146,8 @@ def number_of(value: Any) -> float:
 def heading_of(text: str, compass: bool) -> float:
     """A heading (rad, counterclockwise from east).
 
-    Of a compass, a number has degrees, and it runs clockwise from north.
+    With `compass`, the text counts clockwise from north, in degrees if it has no unit. Otherwise it
+    counts counterclockwise from east, in rad if it has no unit.
     """
     if not compass:
         return parse_angle(text)

@@ -36,9 +36,9 @@ _OF_A_ROUTE = ("x", "y", "name", "heading")
 
 
 def read_points(file: str | FilePath) -> Points:
-    """The points of a route from a table.
+    """Read the points of a route from a table.
 
-    It is a file with columns x and y, maybe name and heading. All other columns are named in a
+    The file has columns x and y, maybe name and heading. All other columns are named in a logged
     warning.
     """
     with at(str(file)):
@@ -58,12 +58,14 @@ def read_table(
     compass: bool = False,
     used: Collection[str] = tuple(_NAMES),
 ) -> Reading:
-    """The points of a text with columns.
+    """Read the points of a text with columns.
 
-    Columns of fields that are not used are passed over.
+    `columns` are names that replace the header's. Columns of fields that are not `used` are passed
+    over, and named in the reading.
     """
     (rows, problems), comment = _split(text)
     place, first = next(iter(rows), Row("line 1", []))
+    # the names: of `columns`, else of the header, else of a comment above the numbers
     has_header = not any(map(_is_number, first))
     names: Sequence[str] = first
     if comment and not has_header:
@@ -105,9 +107,10 @@ def read_table(
 
 
 def _split(text: str) -> tuple[Rows, list[str]]:
-    """The rows, and the cells of the comment.
+    """The rows, and the cells of the comment above.
 
-    The rows have decimal points. The comment is the last line behind `#` above them.
+    Decimal commas of the rows have become points. The comment is the last of the lines at the top
+    that begin with `#`; without one, the list is empty.
     """
     lines = list(StringIO(text, newline=""))
     comments = list(takewhile(lambda line: line.startswith("#"), lines))
@@ -124,9 +127,10 @@ def _split(text: str) -> tuple[Rows, list[str]]:
 
 
 def _field(name: str, used: Collection[str]) -> str:
-    """The field of a column's name.
+    """The field that a column's name means.
 
-    If the field is not used, it is the name.
+    `Lon (deg)` means `longitude`. A name of no field, or of one not `used`, is returned as it is,
+    in lower case.
     """
     field = _FIELDS.get(re.sub(r"[\W_]", "", name.lower()), "")
     if field in used or field in _DEGREES:
@@ -137,7 +141,7 @@ def _field(name: str, used: Collection[str]) -> str:
 def _check_fields(fields: Sequence[str]) -> None:
     """Refuse fields that are there twice.
 
-    A heading with more in its name is refused too.
+    A column such as `heading_deg` is refused too: its angles are not to be read as radians.
     """
     for field in fields:
         twice = field in _NAMES and fields.count(field) > 1
@@ -153,7 +157,7 @@ def _is_number(text: str) -> bool:
 
 
 def read_tsplib(text: str, compass: bool) -> Reading:
-    """The nodes of a TSPLIB file.
+    """Read the nodes of a TSPLIB file.
 
     Reinelt 1991, ORSA Journal on Computing 3, 376-384.
     """
@@ -161,7 +165,7 @@ def read_tsplib(text: str, compass: bool) -> Reading:
     kind = re.search(r"EDGE_WEIGHT_TYPE\s*:\s*(EUC_2D|CEIL_2D|ATT)", head)
     if kind is None:
         raise MissionError("expected EDGE_WEIGHT_TYPE EUC_2D, CEIL_2D or ATT")
-    # up to the next keyword, with the lines above it for their numbers
+    # up to the next keyword; empty lines replace those of the head, so that refusals name the line
     nodes = "\n" * head.count("\n") + re.split(r"\n\s*[A-Z]", tail)[0]
     table = "\n".join(",".join(line.split()) for line in nodes.split("\n"))
     return read_table(table, ("name", "x", "y"))._replace(source="TSPLIB")

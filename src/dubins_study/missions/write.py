@@ -25,7 +25,7 @@ _PROPERTIES = (
 def _geojson(flight: Flight, waypoints: Sequence[Waypoint]) -> str:
     """The path, then the points, as GeoJSON.
 
-    Arcs of the path are chords; the points have the question's order.
+    The path is drawn by short chords, not by the waypoints. The points have the question's order.
     """
     answer = flight.answer
     plane = flight.mission.plane
@@ -38,6 +38,7 @@ def _geojson(flight: Flight, waypoints: Sequence[Waypoint]) -> str:
         places = plane.to_earth(places)
     path = flight.path.to_geojson(origin=origin, kind="path", radius=scenario.radius, **of_path)
     features = [path]
+    # place in the question -> place in the order of passing, and the stop
     visits = {stop.place: (visit, stop) for visit, stop in enumerate(flight.stops, 1)}
     for place, coordinates in enumerate(places.tolist(), 1):
         kind = "via"
@@ -70,7 +71,7 @@ def _csv(flight: Flight, waypoints: Sequence[Waypoint]) -> str:
 def _above_sea(flight: Flight, point: Waypoint) -> float | None:
     """The altitude of a waypoint above the sea.
 
-    It is None if the altitude is above a home whose own is unknown.
+    None if the waypoint has no altitude, or if it counts from a home whose own is unknown.
     """
     if point.altitude is None or not flight.mission.above_home:
         return point.altitude
@@ -126,7 +127,7 @@ def _kml(flight: Flight, waypoints: Sequence[Waypoint]) -> str:
 def _under(
     parent: ElementTree.Element, name: str, text: str = "", **attributes: str
 ) -> ElementTree.Element:
-    """A new element with a text."""
+    """Append a new element with a text; return it."""
     element = ElementTree.SubElement(parent, name, attributes)
     element.text = text
     return element
@@ -152,7 +153,7 @@ _ABOVE_HOME = 3  # the frame of MAVLink whose altitudes are above home
 def _home_altitude(flight: Flight) -> float:
     """The altitude of home above the sea.
 
-    It is 0 if it is not known.
+    0 if it is not known.
     """
     home = flight.mission.home
     if home and home.altitude:
@@ -163,7 +164,7 @@ def _home_altitude(flight: Flight) -> float:
 def _plan(flight: Flight, waypoints: Sequence[Waypoint]) -> str:
     """Waypoints as a plan file of QGroundControl.
 
-    The shape of the file is documented there.
+    QGroundControl documents the shape of the file. The first waypoint is the home position.
     """
     items = []
     home, *following = waypoints
@@ -203,7 +204,10 @@ def _plan(flight: Flight, waypoints: Sequence[Waypoint]) -> str:
 
 
 def _wpl(flight: Flight, waypoints: Sequence[Waypoint]) -> str:
-    """Lines of QGC WPL 110: home, then the waypoints."""
+    """Lines of QGC WPL 110: home, then the waypoints.
+
+    `missions.qgroundcontrol.read_wpl` names the cells of a line.
+    """
     home, *following = waypoints
     place = f"{home.lat:.9f}\t{home.lon:.9f}\t{_home_altitude(flight)!r}"
     lines = ["QGC WPL 110", f"0\t1\t0\t{_WAYPOINT}\t0\t0\t0\t0\t{place}\t1"]
@@ -278,7 +282,7 @@ def write_flight(
     waypoints = []
     if chosen.text is not _geojson:
         waypoints = flight.waypoints(size)
-    if chosen.needs_altitude:
+    if chosen.needs_altitude:  # above home: altitudes above the sea are replaced
         for number, point in enumerate(waypoints):
             if not flight.mission.above_home or point.altitude is None:
                 waypoints[number] = point._replace(altitude=altitude)

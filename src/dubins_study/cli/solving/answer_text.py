@@ -36,9 +36,9 @@ def answer_json(
     in_given_order: Answer | None = None,
     flight: Flight | None = None,
 ) -> str:
-    """One object with the answer and the question.
+    """The answer and its question as a JSON object.
 
-    It has the answer's segments and stops too.
+    The arguments are those of `answer_text`.
     """
     fields: dict[str, Any] = {name: getattr(answer, name) for name in _JSON}
     fields["via"] = [list(point) for point in answer.scenario.via]
@@ -125,7 +125,7 @@ def answer_text(
 
 
 def _stops(flight: Flight) -> str:
-    """The first stops, in the order of passing."""
+    """A table of the first stops, as passed."""
     stops = flight.stops
     head = ("visit", "stop", "time", "length", "heading, deg", "compass, deg")
     rows = [
@@ -143,9 +143,9 @@ def _stops(flight: Flight) -> str:
 
 
 def _more(begin: str, count: int) -> str:
-    """Words about items that are left out.
+    """Words about items that a text leaves out.
 
-    It tells their number and where they are; it is empty if there are none.
+    `begin` stands before the number, `count`. The text is empty if nothing is left out.
     """
     if count > 0:
         return f"{begin} {count} more: --json lists them"
@@ -155,7 +155,8 @@ def _more(begin: str, count: int) -> str:
 def _order(answer: Answer, names: Sequence[str]) -> str:
     """A tour's via points, in the path's order.
 
-    They are names or numbers.
+    A point has its name, or its number in the question, from 1. A name of several points has the
+    number behind it. `names` are those of the points in the question's order.
     """
     order = answer.order or []
     names_by_place = dict(enumerate(names))
@@ -171,9 +172,10 @@ def _order(answer: Answer, names: Sequence[str]) -> str:
 
 
 def _given_order(answer: Answer, route: Answer | None) -> str:
-    """Length of a tour's points in given order.
+    """The length of a tour in the given order.
 
-    The text compares it with the answer's length.
+    `route` is the answer for that order. The text compares its length with the tour's, and is empty
+    if there is none.
     """
     if route is None or route.length is None or not answer.length:
         return ""
@@ -190,10 +192,7 @@ def _given_order(answer: Answer, route: Answer | None) -> str:
 
 
 def _word(answer: Answer) -> str:
-    """The word of the path, with tied words.
-
-    Tied words are as short.
-    """
+    """The word of the path, with other shortest words."""
     no_word = "none"
     if answer.gap is not None:
         no_word = "none: the target is the start"
@@ -205,9 +204,9 @@ def _word(answer: Answer) -> str:
 
 
 def _proof(answer: Answer) -> str:
-    """The proof of the answer.
+    """The proof of the answer, and what is unchecked.
 
-    It tells what there was no time to check.
+    There may have been no time to check Pontryagin's conditions.
     """
     from dubins_study.study.kinds.table import kind_of
 
@@ -220,7 +219,7 @@ def _proof(answer: Answer) -> str:
 def _optimum(answer: Answer) -> str:
     """The proven interval around the shortest length.
 
-    It is told of a route, or of a leg to a pose.
+    Empty for a leg with a free final heading, whose shortest length is one number.
     """
     from dubins_study.study.kinds.table import kind_of
 
@@ -263,7 +262,8 @@ def _number(value: float | None) -> str:
 def _segments(answer: Answer) -> str:
     """Turn and length of each piece of the path.
 
-    An arc has its angle. Of many pieces the first few are told.
+    An arc has its angle too, such as `L 2 (114.6 deg)`. Of many pieces only the first few are
+    listed.
     """
     pieces = list(zip(answer.curvatures or (), answer.lengths or (), strict=True))
     if not pieces:

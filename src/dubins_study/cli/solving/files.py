@@ -31,7 +31,7 @@ class Files(NamedTuple):
 
     @property
     def _named(self) -> list[tuple[str, FilePath]]:
-        """Each file with its option."""
+        """Pairs (option, file) of all files that are given."""
         options = [("--plot", self.plot), ("--geojson", self.geojson)]
         options += [("--out", file) for file in self.out]
         return [(option, file) for option, file in options if file is not None]
@@ -39,9 +39,8 @@ class Files(NamedTuple):
     def check(self, mission: Mission, read: Sequence[object]) -> None:
         """Refuse files that cannot be written.
 
-        This is done before a solve that takes long.
-
-        `read` are the files that the question was read from, which are kept.
+        This is done before the solve, which may take long. Files in `read`, from which the question
+        was read, must not be overwritten; other values in it are ignored.
         """
         from dubins_study.missions.write import format_of
         from dubins_study.study.values import unwritable
@@ -77,7 +76,7 @@ class Files(NamedTuple):
 
         Return whether no file is left out.
         """
-        lacks: dict[str, list[str]] = {}
+        lacks: dict[str, list[str]] = {}  # what a format cannot say -> the files in such a format
         left_out = False
         for option, file in self._named:
             reason = _unwritten(option, flight)
@@ -111,7 +110,7 @@ class Files(NamedTuple):
 
 
 def _unwritten(option: str, flight: Flight | None) -> str:
-    """Why a file is not written, or nothing."""
+    """Why a file is not written, or empty."""
     if flight is None:
         return "there is no finite path"
     if option == "--out" and not flight.arrives:

@@ -56,7 +56,7 @@ class Asked(NamedTuple):
     def names(self) -> list[str]:
         """A name for each stop; some may be empty.
 
-        They have the order of the question.
+        The names have the order of the question, from the first via point on.
         """
         return [point.name for point in self.mission.points]
 
@@ -99,7 +99,11 @@ def question_of(words: Words) -> Asked:
 
 
 def _mission(words: Words) -> Mission:
-    """The points of the words, and their start."""
+    """The mission of the command line, with its home.
+
+    Points come from a mission file, or from X Y, --via and --via-file. The home is --from; without
+    it, the home or first point of the file, else the origin.
+    """
     from dubins_study.missions.mission import Mission
 
     if isinstance(words.target, FilePath):
@@ -193,9 +197,10 @@ def _start(pose: tuple[str, str, str], mission: Mission, compass: bool) -> Missi
 def _with_heading(
     point: MissionPoint, mission: Mission, name: str, text: str, compass: bool
 ) -> MissionPoint:
-    """The point with a heading.
+    """The point with the heading of a text.
 
-    On Earth, the heading counts from the point's own east or north.
+    On Earth, the text counts from the point's true east or north, and the heading from the plane's
+    +x. `name` stands for the option in refusals.
     """
     heading = _heading(name, text, compass)
     if heading is not None and mission.plane is not None:
@@ -222,9 +227,10 @@ def _with_headings(mission: Mission, words: Words) -> Mission:
 
 
 def _heading(name: str, text: str, compass: bool) -> float | None:
-    """The heading (rad) of a word, or None.
+    """The heading (rad) of a word; None if free.
 
-    It is counterclockwise from +x. It is None if it is free.
+    The heading is counterclockwise from +x. With `compass` the word is read as clockwise from
+    north. `name` stands for the option in refusals.
     """
     from dubins_study.missions.reading import heading_of
     from dubins_study.study.angle import AngleError
@@ -244,7 +250,8 @@ def _heading(name: str, text: str, compass: bool) -> float | None:
 def _radius(words: Words, mission: Mission, speed: float | None) -> float:
     """The turning radius, given or from a bank.
 
-    The bank gives a radius at the speed.
+    The bank and the speed give a radius. If --radius is given too, it counts; a note is printed if
+    it is too small for the bank.
     """
     from dubins_study.missions.flight import bank_radius, too_tight
     from dubins_study.study.angle import parse_angle

@@ -22,7 +22,7 @@ class CommandError(DubinsStudyError, ValueError):
 
 
 def number(text: str | float) -> float:
-    """The number that a word is."""
+    """A word of the command line as a number."""
     from dubins_study.study.values import number_of_text  # numpy, which no help waits for
 
     try:
@@ -32,7 +32,10 @@ def number(text: str | float) -> float:
 
 
 def number_or_file(text: str) -> float | FilePath:
-    """The number that a word is, else the file."""
+    """A word as a number, else as a file.
+
+    The file must exist; any other word is refused.
+    """
     try:
         return number(text)
     except typer.BadParameter:
@@ -53,7 +56,7 @@ PAIRS = ("via", "via_headings")
 
 
 def point(words: Sequence[str] | Point) -> Point:
-    """The value of an option that is a point."""
+    """The point of an option's two words."""
     x, y = words
     return Point(number(x), number(y))
 
@@ -69,7 +72,7 @@ class StopHeading(NamedTuple):
 
 
 def stop_heading(words: Sequence[str] | StopHeading) -> StopHeading:
-    """The value of the option `--via-heading`."""
+    """The heading of the two words of `--via-heading`."""
     place, heading = words
     try:
         return StopHeading(int(place), str(heading))

@@ -76,8 +76,8 @@ class _ToStderr(logging.StreamHandler):  # type: ignore[type-arg]
 def note(message: str, always: bool = True) -> None:
     """Print a note on stderr.
 
-    It tells what a command left out, or how it understood the request. Notes that are not `always`
-    printed are left out if the command is quiet.
+    The note tells what a command left out, or how it understood the request. A quiet command prints
+    it only if `always` is set.
     """
     if always or verbosity() > Verbosity.QUIET:
         print(f"dubins-study: {plain(message)}", file=sys.stderr)
@@ -86,7 +86,7 @@ def note(message: str, always: bool = True) -> None:
 def plain(text: str) -> str:
     """The text on one line.
 
-    Its control characters are written out.
+    Line ends and control characters are replaced by their escapes.
     """
     from dubins_study.study.values import plain as written_out  # numpy, which no help waits for
 
@@ -96,9 +96,8 @@ def plain(text: str) -> str:
 def terminal_width() -> int | None:
     """Characters in a line of the terminal, or None.
 
-    Without a terminal, lines may have any length.
-
-    The variable COLUMNS, where it is set, counts as a terminal.
+    None if stdout is no terminal: lines may then have any length. If the variable COLUMNS is set,
+    that counts as a terminal.
     """
     is_terminal = sys.stdout is not None and sys.stdout.isatty()
     if is_terminal or os.environ.get("COLUMNS"):
@@ -152,7 +151,7 @@ def _cell(value: object) -> str:
 def listing(fields: Mapping[str, object]) -> str:
     """Lines of names and values, without empty values.
 
-    A value goes on below itself where the terminal ends.
+    A value that is wider than the terminal goes on in the next line, below its beginning.
     """
     width = max(terminal_width() or _NO_TERMINAL_WIDTH, _LEAST_WIDTH)
     indent = " " * _NAME_WIDTH
@@ -188,10 +187,11 @@ def solvers_to_stderr() -> Iterator[None]:
 def progress(what: str, counts: list[int]) -> Iterator[Callable[[int, int], None]]:
     """Show progress in one line on stderr.
 
-    The block gets a function that takes the numbers done and to do.
+    The block gets a function that is called with the number done and the number of all. The list
+    `counts` is set to these two numbers at each call.
 
     Without a terminal it is a plain line every half minute. Nothing is written if the command is
-    quiet. `counts` is set to the numbers done and to do.
+    quiet.
     """
     with _display(what) as show:
 
@@ -203,7 +203,11 @@ def progress(what: str, counts: list[int]) -> Iterator[Callable[[int, int], None
 
 
 def _display(what: str) -> AbstractContextManager[Callable[[int, int], None]]:
-    """How progress is shown: a bar, lines or nothing."""
+    """A context with the function that shows progress.
+
+    On a terminal the function moves a bar, elsewhere it prints lines. For a quiet command it does
+    nothing.
+    """
     if verbosity() == Verbosity.QUIET:
         return nullcontext(lambda done, total: None)
     if is_terminal():
@@ -218,13 +222,13 @@ def is_terminal() -> bool:
 
 @contextmanager
 def _bar(what: str) -> Iterator[Callable[[int, int], None]]:
-    """A bar, and the time left."""
+    """Show a bar; yield the function that moves it."""
     from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
     from rich.progress import TimeRemainingColumn as Remaining
     from rich.table import Column
 
-    # No markup: a file's name may hold brackets. It gives way where the terminal is narrow.
+    # No markup: a file's name may hold brackets. The name is cut where the terminal is narrow.
     shrinking = Column(no_wrap=True, overflow="ellipsis", ratio=1)
     name = TextColumn("{task.description}", markup=False, table_column=shrinking)
     columns = (name, BarColumn(bar_width=20), MofNCompleteColumn(), Remaining(compact=True))
@@ -243,7 +247,7 @@ def _bar(what: str) -> Iterator[Callable[[int, int], None]]:
 
 
 def _lines(what: str) -> Callable[[int, int], None]:
-    """A line every half minute."""
+    """A function that prints a line every half minute."""
     last_line_s = time.monotonic()
 
     def move(done: int, total: int) -> None:
@@ -259,7 +263,8 @@ def _lines(what: str) -> Callable[[int, int], None]:
 def duration(seconds: float) -> str:
     """A duration in a unit that suits it.
 
-    The unit is the largest of which it has at least two; the number has a few digits.
+    The unit is the largest of which the duration has at least two: 7200 s are `2 h`, 7000 s are
+    `117 min`.
     """
     for unit, length in (("d", 86400.0), ("h", 3600.0), ("min", 60.0)):
         if seconds >= 2 * length:
@@ -273,10 +278,9 @@ def duration(seconds: float) -> str:
 def steps(what: str) -> Iterator[Callable[[str], None]]:
     """Show the steps of a long command.
 
-    They are one line on stderr, for a command that takes longer than a moment and cannot count.
-
-    Yields a function that shows the name of the next step. Without a terminal the steps are lines
-    of a verbose command only.
+    Yields a function that shows the name of the next step, in one line on stderr. The line appears
+    only if the command takes longer than a moment. Without a terminal, a verbose command prints a
+    line for each step.
     """
     if verbosity() == Verbosity.QUIET or not is_terminal():
 

@@ -18,6 +18,9 @@ def arranged(
 ) -> list[str]:
     """The words of a command, arguments behind `--`.
 
+    Options with their values come first, then `--`, then all arguments: `-6 3 --radius 2` becomes
+    `--radius 2 -- -6 3`. `refuse` is called with a message and does not return.
+
     An option is refused if it is given twice, or with fewer values than it takes: a parser reads
     `--from 0 0 --radius 3` as the heading `--radius` and one argument too many.
     """

@@ -147,7 +147,10 @@ def as_list(written: Any) -> list[Any]:
 
 
 def _written_out(written: Any) -> Any:
-    """The list of all values of an axis."""
+    """The list of all values of an axis.
+
+    A table such as `{ linear = [0, 1, 3] }` becomes `[0, 0.5, 1]`.
+    """
     if isinstance(written, dict):
         return Spaced.model_validate(written).values()
     return as_list(written)
@@ -182,11 +185,12 @@ RadiiList = Annotated[
 
 
 def _as_lists(value: Any) -> Any:
-    """A list of via points for each scenario.
+    """The axis of `via`: lists of points.
 
-    A single list of points is that of all scenarios.
+    A single list of points, such as `[[1, 2], [3, 4]]`, becomes an axis of one value.
     """
     points = as_list(value)
+    # a point begins with a number or a text, a list of points with a list
     if all(isinstance(point, list) and point and type(point[0]) is not list for point in points):
         return [value]
     return value
@@ -196,7 +200,11 @@ _Coordinate = Annotated[float, Field(allow_inf_nan=False, strict=True)]
 
 
 def _stop(written: Any, validate: ValidatorFunctionWrapHandler) -> tuple[float, ...]:
-    """A via point: two coordinates, and perhaps its heading."""
+    """A via point, with its heading if it has one.
+
+    The result is `(x, y)` or `(x, y, heading)`, the heading in rad. In the file, the heading is an
+    angle or "free", or is left out.
+    """
     heading = FREE
     if isinstance(written, list) and len(written) == 3:
         *written, heading = written

@@ -75,8 +75,8 @@ def fields_of(path: str, text: str) -> dict[str, Any]:
 def text_of(name: str) -> tuple[str, str, str]:
     """Name, path and text of an experiment.
 
-    They are the first three fields of `ExperimentFile`. The experiment comes with the package, or
-    is any TOML file.
+    Returns the first three fields of `ExperimentFile`. `name` is that of an experiment in the
+    package, or the path of any TOML file.
     """
     packaged_file = _packaged_files().get(name)
     if packaged_file is not None:
@@ -162,7 +162,8 @@ class Experiment(StrictModel):
     def blocks(self) -> list[Block]:
         """All blocks: those of the file, and of `first`.
 
-        A block of `first` has the first scenarios of a block that draws scenarios.
+        For each block that draws scenarios and names no solvers, `first` adds one. It asks the
+        solvers of `first` about the first scenarios of the draw.
         """
         first = self.first
         if first is None:

@@ -1,6 +1,6 @@
 """Sentences about mistakes in an experiment's file.
 
-They name the key and the line.
+A sentence names the key, and a message also the line.
 """
 
 from __future__ import annotations
@@ -20,17 +20,20 @@ KeyPath = tuple[str | int, ...]
 def line_of(path: KeyPath, text: str) -> int | None:
     """The line of a value in a file.
 
-    Lines count from 1. If the value is not there, the line is that of the innermost key around it.
+    Lines count from 1. If the value is not there, the line is that of the innermost key around it;
+    None if no key is there.
     The search goes from key to key, and reads no TOML: a key in a comment may mislead it.
     """
     place = 0
     for depth, step in enumerate(path):
         if isinstance(step, int):  # of a list of tables; no other list has keys in its items
+            # the header `[[name]]` that has this number among those of its name
             name = re.escape(str(path[depth - 1]))
             headers = [*re.finditer(rf"^[ \t]*\[\[[ \t]*{name}[ \t]*\]", text, re.MULTILINE)]
             if step < len(headers):
                 place = headers[step].end()
             continue
+        # as a key: `name =`, `name.` or `[name]`; or as an item of a list: "name"
         name = re.escape(step)
         key = rf"""(?<![\w-])["']?{name}["']?[ \t]*[.=\]]"""
         item = rf"""["']{name}["']"""
@@ -64,7 +67,8 @@ class Problem(NamedTuple):
 def refusal(file: str, problems: list[Problem], text: str = "") -> str:
     """All problems of a file in one message.
 
-    Each problem has a line of the message; with a text of the file it has its line number.
+    Each problem has a line of the message. If the file's `text` is given, problems have line
+    numbers and are sorted by them. Equal lines are listed once.
     """
     placed = [(line_of(path, text) or 0, sentence) for path, sentence in problems]
     placed.sort(key=lambda place: place[0])
@@ -87,6 +91,7 @@ def refusal(file: str, problems: list[Problem], text: str = "") -> str:
 def problems_of(error: ValidationError, table_keys: TableKeys) -> list[Problem]:
     """Every mistake that pydantic found."""
     errors = [(each["loc"], each) for each in error.errors(include_url=False)]
+    # paths of the keys that were probably meant by unknown keys
     misspelt = {
         (*path[:-1], nearest(path[-1], _keys_beside(path, table_keys)))
         for path, each in errors
@@ -105,7 +110,7 @@ def problems_of(error: ValidationError, table_keys: TableKeys) -> list[Problem]:
 
 
 def _keys_beside(path: KeyPath, table_keys: TableKeys) -> Iterable[str]:
-    """The keys that may stand beside a key."""
+    """The keys that may stand in a key's table."""
     table = ""
     for step in path[:-1]:
         if isinstance(step, str):
@@ -114,7 +119,7 @@ def _keys_beside(path: KeyPath, table_keys: TableKeys) -> Iterable[str]:
 
 
 def _sentence(path: KeyPath, error: Any, table_keys: TableKeys) -> str:
-    """The key, its value and what was expected."""
+    """A sentence: the key, its value, what was expected."""
     kind = error["type"]
     key = _key(path)
     if kind == "extra_forbidden":

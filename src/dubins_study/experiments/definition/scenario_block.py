@@ -70,9 +70,9 @@ _MOST_LEGS = 10**7  # of all routes or tours of a block: 160 MB
 
 
 def _numbers(written: Any) -> list[Any]:
-    """The values that stand for numbers in an axis.
+    """The numbers in an axis or range as written.
 
-    They may be those of a range too. The count of evenly spaced values is left out.
+    Of `{ linear = [0, 1, 5] }` they are 0 and 1: the count of evenly spaced values is left out.
     """
     if not isinstance(written, dict):
         return as_list(written)
@@ -123,13 +123,13 @@ class Drawn(StrictModel):
     def sizes(self) -> list[int]:
         """Number of legs or points of each kind.
 
-        It is 0 for a sample.
+        `count` scenarios of each kind are drawn. A sample has one kind, with the number 0.
         """
         return [0]
 
     @property
     def size(self) -> int:
-        """How many scenarios are drawn."""
+        """Number of all scenarios that are drawn."""
         return self.count * len(self.sizes)
 
     @model_validator(mode="after")
@@ -337,7 +337,7 @@ class Block(StrictModel):
     def _check_target(self) -> Block:
         """Refuse a block with no target or several.
 
-        Keys that say what is drawn are refused too.
+        Beside `frozen`, `tour` and `route`, keys are refused that say what these give.
         """
         if isinstance(self, ListedBlock):
             return self
@@ -348,6 +348,7 @@ class Block(StrictModel):
             _refuse_beside("frozen", keys - {"frozen", *HOW_ASKED})
             return self
         target = keys.intersection(itertools.chain(*_WAYS))
+        # keys of what a tour or a route draws itself
         twice = target | keys & {"via", "sample"}
         if self.tour is not None:
             twice |= keys & {"route", "heading", "order", "closed"}
@@ -378,21 +379,21 @@ class Block(StrictModel):
     def drawn(self) -> Sample | Route | Tour | None:
         """The table that draws at random, or None.
 
-        It draws scenarios, routes or tours.
+        A block has one of `sample`, `route` and `tour`, or none of them.
         """
         return self.sample or self.route or self.tour
 
     def axis(self, field: str) -> HeadingAxis | None:
         """The values of one of `FIELDS`, or None.
 
-        It is None if the block does not give that field.
+        None means that the block does not give that field.
         """
         values: HeadingAxis | None = getattr(self, field)
         return values
 
 
 def _refuse_beside(table: str, keys: set[str]) -> None:
-    """Refuse keys that say what a table draws."""
+    """Refuse `keys`, if any, beside a table."""
     if keys:
         raise ValueError(f"{', '.join(sorted(keys))}; expected none beside {table}")
 

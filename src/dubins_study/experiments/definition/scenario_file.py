@@ -57,7 +57,7 @@ def read_scenarios(file: str | FilePath) -> list[Scenario]:
 
 
 def _refuse(file: str, sentences: list[str]) -> None:
-    """Refuse a file with the sentences about its mistakes."""
+    """Refuse a file if there are sentences about mistakes."""
     if sentences:
         raise TableFileError(refusal(file, [Problem((), sentence) for sentence in sentences]))
 
@@ -96,9 +96,10 @@ def _note_slips(file: str, scenarios: list[Scenario]) -> None:
 
 
 def _value(name: str, row: dict[str, Any]) -> Any:
-    """The value of a column, or its default.
+    """The value of a row's cell, or its default.
 
-    In a CSV file the value is a text.
+    `row` has texts if the file is CSV: numbers among them are read here. An empty cell is refused
+    in a column that may not be empty.
     """
     value = row.get(name)
     if value is None or value == "":
@@ -106,7 +107,8 @@ def _value(name: str, row: dict[str, Any]) -> Any:
             return DEFAULTS.get(name)
         raise TableFileError(f"{name} is empty; expected a number")
     if name.endswith("heading"):
-        return str(value)  # also of a number, which is refused beyond a full turn if it is a text
+        # `Scenario` refuses a bare number beyond a full turn only if it is a text
+        return str(value)
     if name == "closed" and value in _FLAGS:
         return _FLAGS[value]
     if name in ("label", *VIA, *TOUR) or not isinstance(value, str):
@@ -120,7 +122,8 @@ def _value(name: str, row: dict[str, Any]) -> Any:
 def text_about(scenarios: str) -> tuple[str, str, str]:
     """Name, path and text of an experiment about scenarios.
 
-    It asks about a file of scenarios and names no solvers. The three are those of `text_of`.
+    The three values are like those of `text_of`. The TOML text has a title and a question, but no
+    solvers and no scenarios. `scenarios` is the file's path.
     """
     name = FilePath(scenarios).stem
     keys = {

@@ -41,7 +41,7 @@ class Table(NamedTuple):
 
 
 def read_table(file: FilePath) -> Table:
-    """The rows of a file.
+    """Read the columns and rows of a file.
 
     A name ending in `.parquet` is read as Parquet, any other as CSV in UTF-8 with commas.
     """
@@ -59,7 +59,7 @@ def read_table(file: FilePath) -> Table:
 
 
 def _csv_table(file: FilePath) -> Table:
-    """The rows as texts.
+    """The table of a CSV file; values are texts.
 
     Cells that are missing at the end of a row are empty.
     """
@@ -84,7 +84,7 @@ def _parquet_table(file: FilePath) -> Table:
 
 
 def note_passed_over(file: FilePath, columns: Iterable[str]) -> None:
-    """Warn of columns that are not read."""
+    """Log a warning of columns that are not read."""
     names = ", ".join(name or "one without a name" for name in columns)
     if names:
         _LOG.warning("dubins-study: %s", plain(f"{file}: columns that are passed over: {names}"))

@@ -47,7 +47,7 @@ _LOST = "the connection to the Dask scheduler is lost"
 
 @contextmanager
 def dask_executor(scheduler: str) -> Iterator[Executor]:
-    """The workers of the Dask scheduler at an address."""
+    """Yield an executor with a Dask scheduler's workers."""
     try:
         import distributed
     except ImportError as error:
@@ -88,7 +88,7 @@ def _close(client: Any) -> None:
 class _Submission:
     """The cells of one run on a cluster.
 
-    Some wait here; the cluster holds the others as units.
+    Cells wait here until they are sent to the cluster, in units.
     """
 
     def __init__(self, client: Any, unit: WorkUnit, probed: Probed):
@@ -105,7 +105,7 @@ class _Submission:
     def solve(self, stop: Interruption) -> Iterator[list[Row]]:
         """Yield the rows of all cells as they come.
 
-        The list is empty if none come for a while.
+        A list has the rows of one unit; it is empty if no unit has ended for a moment.
         """
         stopping = False
         while self._waiting or self._units:
@@ -139,6 +139,10 @@ class _Submission:
                     self._waiting.extendleft(reversed(unsolved.chains))
 
     def _count_threads(self) -> None:
+        """Update the number of worker threads.
+
+        A lost connection raises RunError. If there are no threads, a warning is logged once.
+        """
         if self._client.status not in ("running", "connecting"):
             raise RunError(_LOST)
         with suppress(OSError, TimeoutError):  # perhaps lost for a moment: count again later
@@ -166,7 +170,7 @@ class _Submission:
     def _reply(self, future: Any) -> UnitReply | None:
         """A worker's reply, or None if it is lost.
 
-        It is lost if its worker has died; another worker then solves the unit.
+        A reply is lost if its worker has died. Dask then has another one solve the unit.
         """
         if future.status == "cancelled":
             raise RunError(_LOST)
@@ -201,6 +205,7 @@ class _Submission:
 
 
 def _explanation(error: Exception) -> str:
+    """A message about an error that Dask has raised."""
     cause = error.__cause__
     if not isinstance(cause, Exception):
         cause = error

@@ -31,10 +31,11 @@ _PACKAGE = FilePath(__file__).parents[2]
 
 
 def in_worker(name: str) -> Callable[[Any], Any]:
-    """A function of this module, sent as code.
+    """A function that calls one of this module's functions.
 
-    A worker without this package raises ImportError. By its name, as Dask sends a module's
-    function, it would end the connection of such a worker, and the run would wait forever.
+    Dask sends the returned function as code, so that a worker without this package raises
+    ImportError. A module's function is sent by its name: this would end the connection of such a
+    worker, and the run would wait forever.
     """
 
     def call(argument: Any) -> Any:
@@ -58,7 +59,7 @@ class UnitReply(NamedTuple):
 def _source_files() -> frozenset[tuple[str, int, int]]:
     """The files that answers depend on.
 
-    Each has its name, modification time (ns) and size (bytes).
+    A file is a tuple of its name, modification time (ns) and size (bytes).
     """
     rooms = ("study", "solvers", "experiments")
     files = chain.from_iterable((_PACKAGE / room).rglob("*.py") for room in rooms)
@@ -72,7 +73,7 @@ _IMPORTED = _source_files()
 class _Run:
     """The pools of one run in this process.
 
-    There is one for every unit that is solved at the same time.
+    There are as many pools as units that are solved at the same time.
     """
 
     def __init__(self) -> None:
@@ -83,9 +84,10 @@ class _Run:
 
     @contextmanager
     def pool(self, settings: RunSettings) -> Iterator[WorkerPool]:
-        """An idle pool of one worker process.
+        """Yield a pool of one worker process.
 
-        If there is none, the pool is a new one.
+        An idle pool is taken, or a new one is made. After the block the pool is idle again; it is
+        closed if the block failed or the run is stopped.
         """
         try:
             pool = self._idle.pop()
@@ -119,6 +121,10 @@ _runs: dict[str, _Run] = {}
 
 
 def _run(run_id: str) -> _Run:
+    """The pools of a run, made at first call.
+
+    That call also ends the idle processes of other runs.
+    """
     if run_id not in _runs:
         for other in list(_runs.values()):  # the client of an earlier run may have been killed
             other.end()
@@ -139,7 +145,7 @@ def end_run(run_id: str) -> None:
 def solve_unit(message: bytes) -> UnitReply:
     """Solve cells of a pickled unit for a second.
 
-    At least one cell is solved.
+    At least one cell is solved. The reply has the rows so far; the caller sends the rest again.
     """
     unit: WorkUnit = pickle.loads(message)
     run = _run(unit.settings.run_id)

@@ -16,9 +16,9 @@ from dubins_study.study.rows.schema import Key
 
 
 class WorkUnit(NamedTuple):
-    """Cells of one run.
+    """Cells of one run that are handed over together.
 
-    They are all unsolved cells, or as many as one Dask task gets.
+    The local executor gets all unsolved cells, a Dask task some of them.
     """
 
     settings: RunSettings
@@ -41,7 +41,7 @@ Probed = Callable[[float, int], None]
 class Executor(NamedTuple):
     """A way to solve a run's cells.
 
-    It is usable until the `with` block that provides it ends.
+    An executor is provided by a `with` block, and usable until the block ends.
     """
 
     # How many cells are solved at the same time.

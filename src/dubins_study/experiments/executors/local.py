@@ -36,7 +36,7 @@ _ROUND = 500  # chains; a round replaces each worker once, some seconds in all
 def local_executor(jobs: int) -> Iterator[Executor]:
     """An executor with `jobs` worker processes here.
 
-    They run while cells are solved.
+    The processes run only while cells are solved.
     """
 
     def solve(
@@ -56,7 +56,7 @@ class _Step(NamedTuple):
     """
 
     cell: Cell
-    following: Iterator[Cell]
+    following: Iterator[Cell]  # the cells of its chain behind it
     earlier_path: Path | None  # the last that arrived before this cell
 
 
@@ -65,7 +65,8 @@ def solve_chains(
 ) -> Generator[list[Row], None, None]:
     """Yield the judged rows of cells as they come.
 
-    The list is empty if none come for a while.
+    The list is empty if none come for a while. Once a cell has its reply, the next cell of its
+    chain is put first.
     """
     for chain in unit.chains:  # compiles loops; in a worker the time limit would end that
         prepare(chain[0].scenario, chain[0].branch)
@@ -94,9 +95,10 @@ def _first_jobs(unit: WorkUnit) -> Iterator[Job]:
 
 
 def _next_job(cells: Iterator[Cell], path: Path | None) -> Iterator[Job]:
-    """The job of a chain's next cell, if any.
+    """Yield the job of a chain's next cell.
 
-    `path` is the last path that arrived before that cell.
+    The cell is taken from `cells`; at the end of the chain there is none. `path` is the last path
+    that arrived before it, from which a warm cell starts.
     """
     for cell in itertools.islice(cells, 1):
         guess = given_guess(cell)
@@ -107,9 +109,9 @@ def _next_job(cells: Iterator[Cell], path: Path | None) -> Iterator[Job]:
 
 
 def check_code(cell: Cell, reply: Reply, executor: str) -> None:
-    """Refuse a reply whose code is not its cell's.
+    """Refuse a reply of other code than the cell's.
 
-    The digests of the two differ.
+    Code is compared by its digest. A solve that did not start is not compared.
     """
     digest = reply.code_digest
     if not (reply.started and cell.code_digest) or digest == cell.code_digest:
@@ -151,7 +153,7 @@ def ask_isolated(
 ) -> Iterator[Answer]:
     """Yield the judged answers to questions, in order.
 
-    They are judged as in a run.
+    One worker is asked, and each answer is judged as in a run. `limit` is in seconds.
     """
     jobs = (Job(solver, profile, question, limit) for question in questions)
     allowed = tolerances(profile, limit)

@@ -39,7 +39,7 @@ _LIMIT_S = 1.0
 def floor_s(solver: Solver) -> float | None:
     """Seconds of an engine's call on a trivial problem.
 
-    None if the call fails.
+    None if the solver has no trivial problem, or if the call fails or takes a second.
     """
     try:
         call = _trivial(solver)
@@ -58,9 +58,10 @@ def floor_s(solver: Solver) -> float | None:
 
 
 def _trivial(solver: Solver) -> Callable[[], Any] | None:
-    """A call that solves a trivial problem.
+    """A function that solves a trivial problem, or None.
 
-    It is solved by the solver's own engine.
+    The function takes no arguments, and calls the solver's own engine. None if the solver calls
+    no engine that is known here.
     """
     if isinstance(solver, PaperNlp):
         return _word(solver)
@@ -75,7 +76,8 @@ def _trivial(solver: Solver) -> Callable[[], Any] | None:
 
 
 def _word(solver: PaperNlp) -> Callable[[], Any]:
-    """The word LS, begun at its solution."""
+    """A function that solves LS, begun at the solution."""
+    # lengths in radii: left turn, right turn, straight; the target is at the end of this path
     z = np.array((0.5, 0.0, 1.0))
     X, Y = end_point(0.5, 0.5, 1.0, math)
     adapter = solver.adapter()
@@ -84,16 +86,19 @@ def _word(solver: PaperNlp) -> Callable[[], Any]:
 
 
 def _one_variable(solver: Convex) -> Callable[[], Any]:
-    """A frozen problem of one variable, built and solved."""
+    """A function that builds and solves a frozen problem.
+
+    The problem has one variable.
+    """
     problem = read("trivial")
     ask = Ask(solver.tolerance, _LIMIT_S, tuned=solver.options == "tuned")
     return lambda: prepare(solver.engine, solver.interface, problem)(ask)
 
 
 def _two_places(solver: Solver) -> Callable[[], Any]:
-    """A tour of two places, built once.
+    """A function that solves a tour of two places.
 
-    Each place has one heading.
+    Each place has one heading. The model is built here, once.
     """
     model = solver.build(Question(Scenario(target_x=5, target_y=0, final_heading=0)))
     return lambda: solver.solve(model, _LIMIT_S)
@@ -104,7 +109,7 @@ def _nlp(engine: str) -> Callable[[], Any] | None:
 
 
 def _proven(engine: str) -> Callable[[], Any]:
-    """The least x in [1, 2], as a program."""
+    """A function that minimises x over [1, 2]."""
     from dubins_study.solvers.minlp_engines.mixed_program import (
         MixedProgram,
         Row,
@@ -134,9 +139,10 @@ class _Square:
 
 
 def _search(engine: str) -> Callable[[], Any]:
-    """A square of one variable, with the engine's budget.
+    """A function that minimises a square of one variable.
 
-    The budget is that of its own evaluations, for functions that cost nothing to evaluate.
+    The search has the engine's default budget of evaluations. They cost nothing here, so that the
+    engine's own work is measured.
     """
     from dubins_study.solvers.stochastic.penalty_function import CountedFunction, Task
 
@@ -155,7 +161,10 @@ def _root(engine: str) -> Callable[[], Any]:
 
 
 def _qp(engine: str) -> Callable[[], Any]:
-    """A square of one variable in cvxpy, compiled once."""
+    """A function that minimises a square with cvxpy.
+
+    cvxpy compiles the problem at the first call only.
+    """
     import cvxpy
 
     x = cvxpy.Variable(nonneg=True)

@@ -91,7 +91,8 @@ class ForkedProcess(NamedTuple):
     def close(self) -> None:
         """Kill the process and close its pipes.
 
-        Its channel is closed too, after its end.
+        Between the two, the call waits up to two seconds for the process to end. The channel is
+        closed too.
         """
         self.kill()
         _readable(self.exit_pipe, _KILL_WAIT_S)
@@ -111,9 +112,9 @@ def _readable(descriptor: int, timeout_s: float) -> bool:
 
 
 class _ForkServer:
-    """The server of this process.
+    """The fork server that this process owns.
 
-    It is started at the first request, and again if it was killed.
+    The first request starts the server, and the next one after it was killed.
     """
 
     def __init__(self) -> None:
@@ -124,7 +125,8 @@ class _ForkServer:
     def request(self, descriptors: list[int]) -> None:
         """Ask the server to fork a process.
 
-        The descriptors are passed to the process.
+        `descriptors` are passed to the process, in the order of `serve`. If no server runs, one is
+        started.
         """
         with self._lock:
             if self._control is None or self._process is None or self._process.poll() is not None:
@@ -175,7 +177,8 @@ atexit.register(_server.stop)
 def fork(function: str, arguments: list[Any]) -> ForkedProcess:
     """Call a function in a newly forked process.
 
-    The process is forked from the server, and ends when the function returns.
+    The process is forked from the server, and ends when the function returns. The result is the
+    caller's side of the process.
 
     `function` is `module:name`, called as `name(channel, *arguments)` with arguments that JSON can
     hold. The new process gets the caller's environment and working directory, and the caller's
@@ -194,6 +197,11 @@ def fork(function: str, arguments: list[Any]) -> ForkedProcess:
 
 
 def _forked(message: list[Any]) -> ForkedProcess:
+    """Fork a process, and send it a message.
+
+    Of each pair of ends the caller keeps one; the server passes the other to the process. If the
+    server does not answer, all ends are closed and OSError is raised.
+    """
     with ExitStack() as process_ends, ExitStack() as caller_ends:
         line, line_end = socket.socketpair()
         caller_ends.enter_context(line)
@@ -206,6 +214,7 @@ def _forked(message: list[Any]) -> ForkedProcess:
             process_ends.callback(os.close, pipe)
         _server.request([exit_end, output_end, line_end.fileno()])
         process_ends.close()
+        # The exit pipe first gives the process id, and once the process has ended its exit code.
         pid = b""
         if _readable(exit_pipe, _START_UP_S):
             pid = os.read(exit_pipe, 8)
@@ -240,7 +249,9 @@ def _search_path() -> list[str]:
 def serve() -> None:
     """Fork a process per byte received on stdin.
 
-    Stdin is a socket; the server runs until it is closed.
+    Stdin is a socket. With each byte come three descriptors of the new process: write end of its
+    exit pipe, write end of its output, its end of the channel. When the socket is closed, all
+    descendants are killed and the server ends.
     """
     # loaded and read once, for all workers
     import_module("dubins_study.experiments.isolation.worker")
@@ -288,7 +299,8 @@ def serve() -> None:
 def _reap(exit_pipes: dict[int, int]) -> None:
     """Collect all ended children; report their exit codes.
 
-    The codes of forked processes are written to their pipes.
+    The exit code of a forked process is written to its exit pipe, which is then closed and removed
+    from `exit_pipes`. Before that, its descendants are killed.
     """
     ended: dict[int, int] = {}
     with suppress(ChildProcessError):  # no child is left

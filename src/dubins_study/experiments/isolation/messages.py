@@ -1,10 +1,10 @@
 """Questions and replies as pools and workers send them.
 
-They are only plain values.
+Messages hold only plain values.
 
 A plug-in may return objects of its own classes, which would run its code where they are unpickled.
-Therefore every message is a line of JSON. A channel also takes paths and arrays of doubles: each is
-an object of a single key that names no setting, the bytes of an array in base64.
+Therefore every message is a line of JSON. A channel also takes paths and arrays of doubles. Each
+becomes an object with a single key, which no setting can have; the bytes of an array are in base64.
 """
 
 from __future__ import annotations
@@ -35,7 +35,10 @@ _ARRAY = "an array"
 
 
 def _encode(value: Any) -> dict[str, Any]:
-    """A path or an array of doubles for JSON."""
+    """The object that a path or an array becomes.
+
+    A path becomes `{"a path": [x, y, heading, curvatures, lengths]}`.
+    """
     if isinstance(value, Path):
         return {_PATH: [*value.start, value.curvatures, value.lengths]}
     return {_ARRAY: b2a_base64(value.tobytes(), newline=False).decode()}
@@ -88,7 +91,7 @@ class Channel:
         return True
 
     def receive(self) -> Any:
-        """Wait for one message."""
+        """Wait for the next message and return it."""
         while (message := self.next_received()) is None:
             self._read()
         return message
@@ -138,7 +141,7 @@ def decode_question(values: list[Any]) -> Question:
 def encode_reply(reply: Reply) -> list[Any]:
     """A reply as values that a channel takes.
 
-    Its texts are cut to the length that a row holds.
+    Texts are cut to the length that a row holds.
     """
     outcome, solution, times, *others = reply
     values = vars(solution).copy()
@@ -151,7 +154,7 @@ def encode_reply(reply: Reply) -> list[Any]:
 def decode_reply(encoded: list[Any]) -> Reply:
     """The reply that was encoded.
 
-    It raises some exception if the values do not encode a reply.
+    Any exception may be raised if the values do not encode a reply.
     """
     outcome, values, times, *others = encoded
     return Reply(Outcome(outcome), Solution(**values), Times(**times), *others)

@@ -1,6 +1,6 @@
 """A pool of worker processes with hard limits.
 
-It takes jobs and yields (job, reply) pairs.
+A pool takes jobs and yields pairs (job, reply).
 
 If a solver crashes or blocks its worker, the job gets a reply too. The pool judges no answer.
 """
@@ -92,13 +92,12 @@ Results = list[tuple[Job, Reply]]
 
 @cache
 def worker_group(solver: str) -> str:
-    """The group of a solver.
+    """The name of a solver's group.
 
-    Only jobs of the same group share workers.
-
-    Our own solvers that keep their limits are one group. One that does not is a group by itself: a
-    worker that is killed takes its loaded solvers with it, and loading a hundred takes half a
-    minute. So is each plug-in, since it may have changed any module of its process.
+    Only jobs of the same group share workers. Our own solvers that keep their limits are one group,
+    with an empty name. Any other solver is a group by itself, named by its spec. If a worker is
+    killed, its loaded solvers are lost, and loading a hundred takes half a minute. A plug-in may
+    have changed any module of its process.
     """
     if ours(solver) and load(solver).keeps_limit:
         return ""
@@ -114,9 +113,9 @@ def _solves(task: Task) -> bool:
 
 
 class _Worker(WorkerProcess):
-    """A worker process, its group and its loaded solvers.
+    """A worker process for the jobs of one group.
 
-    It solves the jobs of the group only.
+    `loaded` and `warmed` name the solvers that its tasks load and warm up.
     """
 
     def __init__(self, group: str, memory_bytes: int):
@@ -124,13 +123,13 @@ class _Worker(WorkerProcess):
         super().__init__(function, [memory_bytes], memory_bytes)
         self.group = group
         self.loaded: set[SolverKey] = set()
-        self.warmed: set[tuple[SolverKey, bool]] = set()  # on a leg, on a route
+        self.warmed: set[tuple[SolverKey, bool]] = set()  # True: on a route, False: on a leg
 
 
 class WorkerPool:
     """Worker processes, kept until the `with` block ends.
 
-    They are started when there are jobs.
+    Workers are started when there are jobs.
 
     With `warm_up` a worker asks its solvers an easy question before their first job. `probed` is
     called every two seconds with the duration (s) of a calibration probe; with it the floors of
@@ -150,7 +149,7 @@ class WorkerPool:
         self._most_workers = workers
         self._workers: list[_Worker] = []
         self._warm_up = warm_up
-        # Warm-ups that ended a worker: solvers, on a leg or on a route; they go without.
+        # Warm-ups that ended a worker and are not tried again: solver, and whether on a route.
         self._without_warm_up: set[tuple[SolverKey, bool]] = set()
         # Solver that has answered -> seconds of its last solve, which are expected of the next.
         self._expected_s: dict[SolverKey, float] = {}
@@ -177,21 +176,21 @@ class WorkerPool:
     def put_first(self, jobs: Iterable[Job]) -> None:
         """Put jobs at the front of the queue.
 
-        They keep their order. This is allowed while `solve` runs.
+        The jobs keep their order. A caller may do this while `solve` runs.
         """
         self._first.extendleft(reversed(list(jobs)))
 
     def begin_no_more(self) -> None:
         """Read no further jobs; allowed while `solve` runs.
 
-        Jobs that follow others are still solved.
+        Jobs that are put first, such as the next cell of a chain, are still solved.
         """
         self._later = iter(())
 
     def solve(self, jobs: Iterable[Job], stop: Interruption) -> Iterator[Results]:
         """Yield the replies to all jobs as they come.
 
-        The list is empty if none come for a while.
+        Each list has pairs of a job and its reply. The list is empty if none come for a while.
 
         Jobs are read when a worker is free. After an interruption the current solves are finished.
         """
@@ -213,6 +212,8 @@ class WorkerPool:
                     results += self._ended(worker, event)
                     continue
                 results += self._answered(worker, event)
+                # A changed worker answers no more. After an interruption no worker begins another
+                # job: its waiting jobs go back to the queue, which is then emptied.
                 if event.changed or (_solves(event.task) and stop.requested):
                     self._remove(worker)
             if results or monotonic() - yielded_s > _YIELD_INTERVAL_S:
@@ -232,9 +233,10 @@ class WorkerPool:
         return self._first[0]
 
     def _feed(self) -> Results:
-        """Give jobs to workers.
+        """Give jobs to workers until none takes more.
 
-        If the solver of the next job is unloadable, the reply to that job is returned.
+        If the solver of the next job cannot be loaded, that job and its reply are returned at once.
+        Otherwise the list is empty. A calibration probe is put every two seconds.
         """
         while (job := self._next_job()) is not None:
             reply = self._unloadable.get(job.solver_key)
@@ -293,16 +295,17 @@ class WorkerPool:
     def _expected_task_s(self, task: Task) -> float:
         """Seconds that a task is expected to take.
 
-        Behind a task that solves no question, no other job waits.
+        For a solve they are the seconds of the solver's last one. Any other task, and a solver's
+        first solve, counts as `AHEAD_S`: no further job is then put behind it.
         """
         if not _solves(task):
             return AHEAD_S
         return self._expected_s.get(task.tag.solver_key, AHEAD_S)
 
     def _give(self, worker: _Worker, job: Job) -> None:
-        """Give a worker a job.
+        """Put a job's tasks into a worker's queue.
 
-        Before it come the tasks that make the job's solver ready.
+        Tasks that load the solver and warm it up come before the solve, once per worker.
         """
         key = job.solver_key
         limit_s = job.time_limit_s
@@ -321,9 +324,10 @@ class WorkerPool:
         worker.put(message, Allowance(limit_s, margin_s=GRACE_S), job)
 
     def _answered(self, worker: _Worker, answer: Answered) -> Results:
-        """The answered job with its reply, if any.
+        """The answered job with its reply.
 
-        Tasks that solve no question give none.
+        The list is empty for a load, a warm-up or a probe. The duration of a probe is reported, and
+        the duration of a solve is kept as the estimate for the next one.
         """
         self._false_starts = 0
         task = answer.task
@@ -336,14 +340,15 @@ class WorkerPool:
         return [(task.tag, reply)]
 
     def _ended(self, worker: _Worker, ended: Ended) -> Results:
-        """Replace a worker that has ended.
+        """Remove an ended worker; return its job's reply.
 
-        The reply to the job that it was solving is returned, if there is one.
+        The jobs behind that job go back to the queue. The list is empty if the worker had begun no
+        job, or was warming up: the job is then asked without this warm-up.
         """
         reply = ended.reply
         task = ended.task
         self._remove(worker)
-        if task is None or task.tag is None:
+        if task is None or task.tag is None:  # it was starting, idle, or measuring its speed
             self._false_starts += 1
             if self._false_starts >= _MAX_FALSE_STARTS:
                 raise RunError(

@@ -54,6 +54,7 @@ def bound_process(memory_bytes: int) -> None:
     Allocations fail far beyond the memory limit, no core dumps are written, and each library uses
     one thread.
     """
+    # The least of our limit and those in force: an outer limit is never raised.
     bounds = [memory_bytes + _MARGIN_BYTES, *resource.getrlimit(resource.RLIMIT_DATA)]
     soft = min(bound for bound in bounds if bound != resource.RLIM_INFINITY)
     resource.setrlimit(resource.RLIMIT_DATA, (soft, bounds[-1]))
@@ -64,9 +65,9 @@ def bound_process(memory_bytes: int) -> None:
 
 
 def _state() -> dict[str, Any]:
-    """The state that libraries change in a process.
+    """Name -> value of state that libraries may change.
 
-    It holds all but their thread counts.
+    Messages show the names. The thread counts of libraries are checked apart.
     """
     return {
         "working directory": os.getcwd(),  # noqa: PTH109
@@ -91,7 +92,7 @@ def _state() -> dict[str, Any]:
 def _file(number: int) -> tuple[int, int] | None:
     """Device and inode of a descriptor's file, or None.
 
-    It is None if the descriptor is closed.
+    None means that the descriptor is closed.
     """
     with suppress(OSError):
         status = os.fstat(number)
@@ -115,9 +116,9 @@ class ProcessState:
         self.accept()
 
     def accept(self) -> None:
-        """Accept the current state of the process.
+        """Take the current state as the accepted one.
 
-        It has the changes that a solver's libraries made at loading.
+        Called after a solver is loaded: what its libraries changed then is no fault.
         """
         self._pin_new_libraries()
         self._accepted = _state()
@@ -126,7 +127,8 @@ class ProcessState:
     def changes(self) -> list[str]:
         """Names of the state that differs from the accepted.
 
-        Empty if nothing differs.
+        Empty if nothing differs. Thread counts are compared only if the named state is the same;
+        memory and open files only if the thread counts are, too.
         """
         try:
             state = _state()
@@ -144,7 +146,7 @@ class ProcessState:
     def _pin_new_libraries(self) -> None:
         """Limit newly loaded libraries to one thread.
 
-        They are those that were loaded since the last call.
+        Nothing is done if no module was imported since the last call.
         """
         if self._modules != len(sys.modules):
             self._modules = len(sys.modules)
@@ -160,7 +162,7 @@ class ProcessState:
     def _leakable(self) -> tuple[int, int]:
         """Resident bytes and open files of this process.
 
-        Both are 0 if no file can be read.
+        Both are 0 if the system does not tell them.
         """
         with suppress(OSError):
             return self._process.memory_info().rss, self._process.num_fds()
@@ -170,7 +172,8 @@ class ProcessState:
 def peak_kib(*, reset: bool = False) -> int:
     """Peak of resident memory since the last reset (KiB).
 
-    It is 0 on systems other than Linux, where it cannot be known.
+    With `reset` the measurement begins anew before the peak is read. The peak is 0 on systems other
+    than Linux, where it cannot be known.
     """
     with suppress(OSError):
         if reset:

@@ -1,6 +1,6 @@
 """The code in a worker process.
 
-It puts questions to solvers, and sends their replies back.
+The process puts questions to solvers, and sends the replies to its pool.
 """
 
 from __future__ import annotations
@@ -46,10 +46,9 @@ _WARM_UP_ROUTE_S = 2.0  # a proof of two legs may take longer
 def answer_tasks(channel: Channel, handle: Callable[[list[Any]], tuple[Any, bool]]) -> None:
     """Answer tasks until the channel is closed.
 
-    At first, say that this process is ready.
-
-    An answer is what `handle` returns: a value that JSON can hold, and whether the process must be
-    replaced. A worker that had to wait says that it begins its next task.
+    `handle` takes a task and returns the answer, which JSON can hold, and whether the process must
+    be replaced. Both are sent as one message. The first message, `[None, False]`, says that the
+    process is ready. If no task is waiting, the arrival of the next one is confirmed by "begun".
     """
     process = os.getpid()
     value = None
@@ -94,7 +93,9 @@ class _Worker:
     def handle(self, task: list[Any]) -> tuple[Any, bool]:
         """Answer to a task, and whether the process changed.
 
-        Only changes by a plug-in count.
+        Only changes by a plug-in count. A task is one of ["probe"], ["load", spec, profile],
+        ["warm up", spec, profile, route, limit, floors] and
+        ["solve", spec, profile, question, limit].
         """
         kind, *arguments = task
         if kind == "probe":
@@ -107,7 +108,8 @@ class _Worker:
     def _prepare(self, spec: str, profile: str, *warm_up: Any) -> None:
         """Load a solver, or warm up a loaded one.
 
-        If this fails, the reason is the reply to its questions.
+        `warm_up` is empty, or has the further arguments of `_warmed_up`. If this fails, the failure
+        is the reply to all questions to the solver.
         """
         key = spec, profile
         if key not in self._refused:
@@ -147,7 +149,7 @@ def _failure(error: BaseException, spec: str, profile: str) -> Reply:
 def _digest(spec: str, profile: str) -> str:
     """The digest of a solver's code.
 
-    It is empty if the solver is too broken to have one.
+    Empty if the solver's code cannot be loaded or read.
     """
     try:
         return code_digest(spec, profile)
@@ -162,9 +164,10 @@ def _load(spec: str, profile: str) -> _LoadedSolver:
 
 
 def _warmed_up(loaded: _LoadedSolver, route: bool, limit: float, floors: bool) -> _LoadedSolver:
-    """Ask an easy question; measure a leg's floor.
+    """Ask an easy question, and return the solver.
 
-    After that, imports and caches are ready.
+    After that, imports and caches are ready. With `route` the question has a via point. With
+    `floors` the returned solver has a floor, measured in the warm-up on a leg. `limit` is in s.
     """
     seed()
     solver = loaded.solver
@@ -181,16 +184,16 @@ def _warmed_up(loaded: _LoadedSolver, route: bool, limit: float, floors: bool) -
 
 
 def _reply(loaded: _LoadedSolver, encoded: list[Any], time_limit: float) -> Reply:
-    """The reply to a question.
+    """The reply to an encoded question.
 
-    It has all that its row records of the solve.
+    Start time, versions, code digest, memory and floor are filled in for its row.
     """
     question = decode_question(encoded)
     seed()
     before = peak_kib(reset=True)
     started = now()
     reply = ask(loaded.solver, question, time_limit)
-    memory_mib = None
+    memory_mib = None  # where the peak cannot be read
     if before and (peak := peak_kib()):
         memory_mib = (peak - before) / _KIB_PER_MIB
     return reply._replace(

@@ -77,7 +77,8 @@ class Answered(NamedTuple):
 class Ended(NamedTuple):
     """The end of a worker.
 
-    The reply is to the task that it had begun, if there was one.
+    `reply` tells why the worker ended, and answers the task that it had begun. If it had begun
+    none, `task` is None.
     """
 
     reply: Reply
@@ -95,7 +96,7 @@ class WorkerProcess:
         self._memory_bytes = memory_bytes
         self._checked_s = monotonic()
         self._checks = 0
-        # The tasks that it has received but not answered, in order.
+        # Tasks that are not answered yet, in order. The first "answer" says that it has started.
         self.pending = deque([Task([], _STARTING, self._checked_s)])
         self.closed = False
         # Whether the current task has begun, and since when it runs, or waits for the worker.
@@ -116,7 +117,7 @@ class WorkerProcess:
     def request(self, message: list[Any], allowance: Allowance) -> Answered | Ended:
         """Put one task and wait for its answer.
 
-        The end of the worker ends the wait too.
+        If the worker ends instead, its end is returned. Output from before this task is dropped.
         """
         self._read_output()
         self._output = b""
@@ -142,9 +143,10 @@ class WorkerProcess:
             poll.register(self._process.channel.line, select.POLLIN | select.POLLOUT)
 
     def events(self, ready: set[int]) -> Iterator[Answered | Ended]:
-        """Answers that have arrived, and the worker's end.
+        """Yield answers that have arrived, and the worker's end.
 
-        A worker that breaks a limit is ended here.
+        `ready` has the descriptors that can be read. A worker that breaks a limit, or sends what
+        cannot be read, is killed here.
         """
         if self._process.output in ready:
             self._read_output()
@@ -170,6 +172,10 @@ class WorkerProcess:
             yield Ended(reply, task)
 
     def _answers(self) -> Iterator[Answered]:
+        """Yield the answers among the arrived messages.
+
+        A message is "begun", or the answer to the first pending task: `[value, changed]`.
+        """
         try:
             for message in self._process.channel.received():
                 self._since_s = monotonic()
@@ -191,6 +197,7 @@ class WorkerProcess:
         The limits are those of time and of memory; the reply is to the current task.
         """
         now_s = monotonic()
+        # A run that was suspended loses no time: a long pause counts as `_MAX_PAUSE_S`.
         suspended_s = max(0.0, now_s - self._checked_s - _MAX_PAUSE_S)
         self._since_s = min(self._since_s + suspended_s, now_s)
         self._checked_s = now_s
@@ -219,7 +226,7 @@ class WorkerProcess:
     def _crash_reply(self) -> Reply:
         """The reply to the task of an ended worker.
 
-        It tells the exit status and the last output.
+        The message tells the exit status and the last output.
         """
         code = self._process.exit_code()
         status = f"exit {code}"
@@ -239,7 +246,7 @@ class WorkerProcess:
         return no_answer(outcome, message, status=status)
 
     def last_output(self) -> str:
-        """The end of the worker's output."""
+        """The end of the worker's output, on one line."""
         if not self.closed:
             self._read_output()
         return " ".join(self._output.decode("utf-8", "replace").split())[-_OUTPUT_CHARS:]
@@ -268,7 +275,10 @@ _AnyWorker = TypeVar("_AnyWorker", bound=WorkerProcess)
 def wait(
     workers: Sequence[_AnyWorker], timeout_s: float
 ) -> Iterator[tuple[_AnyWorker, Answered | Ended]]:
-    """Wait for events, at most `timeout_s`; yield all."""
+    """Wait for events; yield each with its worker.
+
+    The wait ends as soon as a worker sends anything or ends, or after `timeout_s`.
+    """
     poll = select.poll()
     for worker in workers:
         worker.register(poll)
@@ -281,7 +291,7 @@ def wait(
 def _used_bytes(pid: int, limit: float, *, with_children: bool) -> int:
     """Bytes of memory that a process uses.
 
-    Its descendants are included `with_children`. If it has ended, the number is 0.
+    With `with_children` its descendants are included. The number is 0 if the process has ended.
     """
     try:
         process = psutil.Process(pid)
@@ -296,7 +306,8 @@ def _used_bytes(pid: int, limit: float, *, with_children: bool) -> int:
             used += member.memory_info().rss
     if used <= limit or len(family) == 1:
         return used
-    # Memory that several share is counted only once (Linux), which is slower.
+    # Memory that several processes share was counted for each. Above the limit it is counted only
+    # once (Linux), which is slower.
     used = 0
     for member in family:
         with suppress(psutil.Error):

@@ -1,6 +1,6 @@
 """The cells of an experiment.
 
-Each has one solver, one question and one repeat.
+A cell is one solver, one question and one repeat.
 """
 
 from __future__ import annotations
@@ -61,9 +61,11 @@ class BlockPlan(NamedTuple):
         return block_size(self.block) * len(self.branches) * self.repeats * guesses
 
     def guess_axes(self, solver: SolverDescription) -> Sequence[Sequence[Any]]:
-        """Values whose combinations are a solver's guesses.
+        """Lists whose combinations are a solver's guesses.
 
-        They are `cold`, `warm`, or z1, z2, z3.
+        With `guess_lengths` these are three lists: values of z1, of z2 and of z3. Otherwise there
+        is one list, of `cold` and `warm`. A solver that takes no guess is asked `cold` only; with
+        `guess_lengths` it gets an empty list, and is not asked.
         """
         lengths = self.block.guess_lengths
         if lengths is None:
@@ -75,7 +77,7 @@ class BlockPlan(NamedTuple):
     def guess_count(self, solver: SolverDescription) -> int:
         """Number of initial guesses of a solver.
 
-        Each question is asked once from each of them.
+        Each repeat of a question is asked once from each guess.
         """
         return math.prod(map(len, self.guess_axes(solver)))
 
@@ -85,7 +87,8 @@ def block_plans(
 ) -> list[BlockPlan]:
     """The plans of all blocks.
 
-    Solvers that take no guess, and too many cells, are refused.
+    Refused are too many cells, and solvers without a guess in a block with `guess_lengths`. `file`
+    and `text` are the experiment's path and TOML text, for messages.
     """
     plans: list[BlockPlan] = []
     problems: list[Problem] = []
@@ -173,8 +176,8 @@ Chain = tuple[Cell, ...]
 def chains(experiment: Experiment, file: str = "the experiment", text: str = "") -> list[Chain]:
     """The chains of an experiment, in its file's order.
 
-    They hold all its cells. A cell that several blocks ask for is listed once. Blocks that are not
-    valid are refused together, by their lines in the file's text.
+    Together the chains hold all cells. A cell that several blocks ask for is listed once. Blocks
+    that are not valid are refused together, by their lines in `text`, the file's TOML.
     """
     problems: list[Problem] = []
     unique: dict[tuple[Key, ...], Chain] = {}
@@ -198,7 +201,10 @@ def chains(experiment: Experiment, file: str = "the experiment", text: str = "")
 
 
 def _block_chains(plan: BlockPlan, profile: str) -> Iterator[Chain]:
-    """The chains of one block."""
+    """Yield the chains of one block.
+
+    The warm cells of one solver, branch and repeat are one chain. Every other cell is a chain.
+    """
     solvers = [solver for solver in plan.solvers if plan.guess_count(solver)]
     if not solvers:
         return
@@ -206,6 +212,7 @@ def _block_chains(plan: BlockPlan, profile: str) -> Iterator[Chain]:
     ids = [scenario_id(scenario) for scenario in block_scenarios]
     for solver in solvers:
         combinations = itertools.product(*plan.guess_axes(solver))
+        # `cold`, `warm`, or lengths such as `0.5 0.0 1.0`
         guesses = [" ".join(map(str, each)) for each in combinations]
         repeats = range(plan.repeats)
         for branch, repeat, guess in itertools.product(plan.branches, repeats, guesses):
@@ -231,9 +238,10 @@ def _block_chains(plan: BlockPlan, profile: str) -> Iterator[Chain]:
 
 
 def _add_sweep(sweeps: dict[Key, str], keys: tuple[Key, ...], block_key: str) -> None:
-    """Note the cells of a warm sweep.
+    """Add the cells of a warm sweep to `sweeps`.
 
-    Each has one predecessor, so it may be in one sweep only.
+    A warm cell starts from the path of one cell before it. A cell that is in another sweep, or
+    twice in this one, is refused.
     """
     for place, key in enumerate(keys):
         other = sweeps.get(key)
@@ -248,10 +256,10 @@ def _add_sweep(sweeps: dict[Key, str], keys: tuple[Key, ...], block_key: str) ->
 
 
 def given_guess(cell: Cell) -> Path | None:
-    """The path that a cell's `initial_guess` gives.
+    """The path that a cell's `initial_guess` gives, or None.
 
-    The guess holds the path's lengths; for `cold` and `warm` there is no path. The path begins with
-    the start heading. If that is free, there is no path either.
+    The guess holds three lengths in radii: left turn, right turn, straight. `cold` and `warm` give
+    no path. The path begins with the start heading; if that is free, there is no path either.
     """
     if cell.initial_guess in ("cold", "warm") or cell.scenario.heading is None:
         return None

@@ -1,6 +1,6 @@
-"""Points as fields of work give them.
+"""Points as they lie in practice: the laws of `field`.
 
-They are the laws of `field`, beside random points.
+The law `random` is in `plan.scenarios`.
 
 A law takes a generator and a number n of steps. It returns n + 1 points, shape (n + 1, 2), in the
 order in which they would be flown, the start first. Its unit is the distance that a block asks
@@ -59,6 +59,7 @@ def _survey_rows(rng: np.random.Generator, steps: int) -> FloatArray:
     """
     a_row = int(rng.integers(2, 2 + max(round(2 * math.sqrt(steps)), 1)))
     between = 0.5 + 0.5 * float(rng.random())
+    # each point's row and its place in the row; every second row is flown backwards
     row, place = np.divmod(np.arange(steps + 1), a_row)
     along = np.where(row % 2 == 0, place, a_row - 1 - place)
     return np.column_stack((along.astype(np.float64), between * row))
@@ -70,8 +71,10 @@ def _roads(rng: np.random.Generator, steps: int) -> FloatArray:
     The streets are one unit apart. At a crossing the drive goes straight on half of the time, else
     to the left or the right.
     """
+    # 0 is straight on, 1 to the left, -1 to the right; their sum is a direction in quarter turns
     sides = np.cumsum(rng.choice([0, 0, 1, -1], size=steps + 1)) % 4
     directions = np.array([(1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0)])[sides]
+    # where each block begins
     crossings = np.cumsum(directions, axis=0) - directions
     points: FloatArray = crossings + directions * rng.random((steps + 1, 1))
     return points
@@ -80,7 +83,8 @@ def _roads(rng: np.random.Generator, steps: int) -> FloatArray:
 def _gps(rng: np.random.Generator, steps: int) -> FloatArray:
     """Noisy fixes of a smooth track.
 
-    They are one unit apart. The turn of the track wanders and fades.
+    The fixes are about one unit apart. From fix to fix the track's turn keeps a share of itself and
+    changes at random.
     """
     turn = 0.0
     heading = 0.0

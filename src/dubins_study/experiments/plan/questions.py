@@ -27,7 +27,8 @@ class Asked(NamedTuple):
 def asked_scenarios(block: Block, key: str, branches: Sequence[str]) -> list[Scenario]:
     """The scenarios of a block, checked for branches.
 
-    One that cannot have a branch is named by the block's key.
+    If a scenario cannot have a branch, an ExperimentError names `key`, the block's, and the
+    scenario's number.
     """
     block_scenarios = list(scenarios(block, key))
     for place, scenario in enumerate(block_scenarios):
@@ -52,6 +53,7 @@ def questions(experiment: Experiment) -> dict[str, Asked]:
         block_scenarios = asked_scenarios(block, f"scenarios.{number}", branches)
         for scenario, branch in product(block_scenarios, branches):
             id_ = f"{scenario_id(scenario)}-{branch}"
+            # several blocks may have the same question: the longest limit counts
             earlier = by_id.get(id_, Asked(scenario, branch, limit))
             by_id[id_] = earlier._replace(time_limit_s=max(limit, earlier.time_limit_s))
     return by_id

@@ -52,7 +52,7 @@ _ARGUMENTS = {
 class RunSettings(NamedTuple):
     """The settings of one run.
 
-    They are the same for all its cells and rows.
+    All cells and rows of the run share them.
     """
 
     run_id: str
@@ -85,7 +85,7 @@ class Request(NamedTuple):
     def command(self) -> str:
         """The command line that asks for these rows.
 
-        Folder and address are left out.
+        The results folder, the scheduler's address and `--restart` are left out.
         """
         arguments = ["dubins-study", "run"]
         if self.experiment is not None:
@@ -164,11 +164,12 @@ class RunPlan(NamedTuple):
 
 
 def plan_run(request: Request) -> RunPlan:
-    """The cells that a request asks for.
+    """Check a request, and plan its run.
 
     Errors name the argument, or the file and key.
     """
     request.check()
+    # key of the experiment -> value of the argument that replaces it
     replaced = {key: getattr(request, argument) for key, argument in _ARGUMENTS.items()}
     changes = {key: value for key, value in replaced.items() if value is not None}
     if request.scenarios is None:
@@ -187,7 +188,8 @@ def plan_run(request: Request) -> RunPlan:
 def _refuse_unavailable(specs: Iterable[str], profile: str) -> None:
     """Refuse a named solver that cannot run here.
 
-    Solvers of `*` and of files are not refused: their rows record it.
+    A solver of `*` or of the experiment's file is not refused: its rows have the outcome
+    `unavailable`.
     """
     single = [spec for spec in specs if spec != "*"]
     for spec in expand_solvers(single, profile):
@@ -196,9 +198,10 @@ def _refuse_unavailable(specs: Iterable[str], profile: str) -> None:
 
 
 def _about_a_file(listed_in: str, request: Request, changes: dict[str, Any]) -> ExperimentFile:
-    """An experiment about the scenarios of a file.
+    """The experiment that asks about a file of scenarios.
 
-    They replace its own.
+    The scenarios replace those of the requested experiment. If none is requested, the experiment
+    asks the requested solvers. `changes` are keys with new values.
     """
     listed = read_scenarios(listed_in)
     name = FilePath(listed_in).stem
@@ -223,9 +226,10 @@ def _about_a_file(listed_in: str, request: Request, changes: dict[str, Any]) -> 
 
 
 def _comment_on(listed: list[Scenario]) -> str:
-    """A comment with a digest of scenarios.
+    """A TOML comment with a digest of scenarios.
 
-    A folder with rows about other scenarios is a folder of another experiment.
+    Put before the experiment's text, it makes experiments about other scenarios differ: their rows
+    do not go into the same folder.
     """
     ids = " ".join(map(scenario_id, listed))
     digest = hashlib.sha256(ids.encode()).hexdigest()[:16]
@@ -235,8 +239,9 @@ def _comment_on(listed: list[Scenario]) -> str:
 def _listed_blocks(listed: list[Scenario], file: ExperimentFile) -> list[ListedBlock]:
     """Blocks for the scenarios of a file.
 
-    Scenarios that the experiment has too are asked as it asks them. A sample of a suite thus keeps
-    the time limit and the branches of each of its questions.
+    A scenario that is also in a block of the experiment is asked with that block's settings. A
+    sample of a suite thus keeps the time limit and the branches of each question. All others are
+    asked with the experiment's settings.
     """
     experiment = file.experiment
     settings = [
@@ -281,13 +286,14 @@ def _checked(
     changes: Mapping[str, Any],
     defaults: Mapping[str, Any] | None = None,
 ) -> ExperimentFile:
-    """An experiment with some keys of its file changed.
+    """The experiment of a file, with some keys changed.
 
-    Its scenarios are not looked at.
+    `source` is the result of `text_of`. `changes` replace keys of the file, and the same keys of
+    its blocks; `defaults` are values of keys that the file lacks. Scenarios are not made here.
     """
     _, path, text = source
     fields = {**(defaults or {}), **fields_of(path, text), **changes}
-    if "solvers" in changes:
+    if "solvers" in changes:  # they replace the solvers of `first` and of all blocks too
         fields.pop("first", None)
     blocks = fields.get("scenarios")
     if not isinstance(blocks, list):
@@ -312,9 +318,9 @@ def _checked(
 
 
 def _mistakes(error: ValidationError, path: str, text: str, changes: Mapping[str, Any]) -> str:
-    """The mistakes of a request, or of its file.
+    """A message about the mistakes of a request.
 
-    Those of the file are named only if the request has none.
+    Mistakes of the file are named only if the request's `changes` have none.
     """
     problems = problems_of(error, TABLE_KEYS)
     requested = [each.sentence for each in problems if each.path and each.path[0] in changes]

@@ -40,11 +40,13 @@ Fields = dict[str, Any]
 def scenario_id(scenario: Scenario) -> str:
     """The id of a scenario: 16 hexadecimal digits.
 
-    They are the first digits of a SHA-256. Its input begins with the fields of `NUMBERS` as
-    little-endian doubles and the label in UTF-8. If the scenario has via points or a final heading,
-    the byte 255, which is in no UTF-8, and these numbers as doubles follow. Headings at via points,
-    an order that is free and a path that is closed follow after another such byte. A value that is
-    free or left out is NaN.
+    The digits are the first ones of a SHA-256 of up to three parts. The second and the third begin
+    with the byte 255, which is in no UTF-8. Doubles are little-endian; NaN is free or left out.
+
+    Part 1: the fields of `NUMBERS` as doubles, then the label in UTF-8.
+    Part 2, if there are any: x and y of the via points, then the final heading, as doubles.
+    Part 3, unless all are left out: a byte each for a free order and a closed path, then the
+    headings at via points as doubles.
     """
     values = (getattr(scenario, name) for name in NUMBERS)
     doubles = [math.nan if value is None else value for value in values]
@@ -73,10 +75,10 @@ def block_size(block: Block) -> int:
 
 
 def scenarios(block: Block, key: str) -> Iterator[Scenario]:
-    """All scenarios of a block.
+    """Yield all scenarios of a block.
 
-    A scenario that is not valid is named by the block's key. The via points vary fastest, then the
-    last of `FIELDS`. Drawn values vary slowest.
+    The via points vary fastest, then the last of `FIELDS`. Drawn values vary slowest. If a scenario
+    is not valid, an ExperimentError names `key`, the block's, and the scenario's number.
     """
     if (listed := _listed(block)) is not None:
         yield from listed
@@ -95,7 +97,7 @@ def scenarios(block: Block, key: str) -> Iterator[Scenario]:
 def _listed(block: Block) -> list[Scenario] | None:
     """The scenarios that a block lists, or None.
 
-    It is None if the block combines or draws its scenarios.
+    None means that the block combines or draws its scenarios.
     """
     if isinstance(block, ListedBlock):
         return list(block.listed)
@@ -107,9 +109,10 @@ def _listed(block: Block) -> list[Scenario] | None:
 
 
 def _axes(block: Block) -> dict[str, Sequence[Any]]:
-    """The values of each field that a block gives.
+    """Field -> values, for fields of a block.
 
-    Its lists of via points are one more axis.
+    A field that the block does not give is left out. One more axis is `via`: its values are lists
+    of points. Without any it has one empty list.
     """
     axes: dict[str, Sequence[Any]] = {name: block.axis(name) or () for name in FIELDS}
     present = {name: axis for name, axis in axes.items() if axis}
@@ -117,9 +120,10 @@ def _axes(block: Block) -> dict[str, Sequence[Any]]:
 
 
 def _combinations(block: Block) -> Iterator[Fields]:
-    """The fields of each scenario of a block.
+    """Yield the fields of each scenario of a block.
 
-    Fields that all its scenarios share are left out.
+    The fields are arguments of `Scenario`. The label, `order` and `closed` are left out, since all
+    scenarios of the block share them.
     """
     axes = _axes(block)
     for draw in _draws(block):
@@ -148,6 +152,7 @@ class Draw(NamedTuple):
 
 
 def _draws(block: Block) -> Iterable[Draw]:
+    """The draws of a block; one empty draw without any."""
     if block.sample is not None:
         return _samples(block.sample)
     if block.route is not None:
@@ -158,9 +163,9 @@ def _draws(block: Block) -> Iterable[Draw]:
 
 
 def _samples(sample: Sample) -> Iterator[Draw]:
-    """The points of a sample.
+    """Yield a draw for each point of a sample.
 
-    They are the same on every machine.
+    The points are the same on every machine.
     """
     from scipy.stats import qmc  # takes half a second; most experiments have no sample
 
@@ -178,6 +183,11 @@ def _samples(sample: Sample) -> Iterator[Draw]:
 
 
 def _routes(route: Route) -> Iterator[Draw]:
+    """Yield a draw for each route.
+
+    Each number of legs has its own generator. The final heading is drawn even if it is free, so
+    that the points do not depend on it.
+    """
     low, high = SPACINGS[route.spacing]
     for legs in route.legs:
         rng = np.random.default_rng([route.seed, legs])
@@ -194,9 +204,10 @@ def _routes(route: Route) -> Iterator[Draw]:
 
 
 def _walk(rng: np.random.Generator, legs: int, low: float, high: float) -> list[list[float]]:
-    """Points of a random walk.
+    """Points of a random walk that begins at (0, 0).
 
-    The way from each point to the next has any direction.
+    There are as many points as legs: the start is left out. The way from each point to the next has
+    any direction, and a length from `low` to `high` (radii).
     """
     x = y = 0.0
     points = []
@@ -209,6 +220,11 @@ def _walk(rng: np.random.Generator, legs: int, low: float, high: float) -> list[
 
 
 def _tours(tour: Tour) -> Iterator[Draw]:
+    """Yield a draw for each tour.
+
+    The generator is not seeded by the density: squares of all sizes have the same points. The start
+    heading is drawn even if it is free.
+    """
     for n, density in itertools.product(tour.points, tour.density):
         side = density * math.sqrt(n)
         rng = np.random.default_rng([tour.seed, n])
@@ -225,6 +241,7 @@ def _tours(tour: Tour) -> Iterator[Draw]:
 
 
 def _from_bearing(start: Fields, distance: float, bearing: float) -> Fields:
+    """The target at a distance (radii) and bearing (rad)."""
     length = distance * start["radius"]
     direction = start["heading"] + bearing
     return {
@@ -234,9 +251,10 @@ def _from_bearing(start: Fields, distance: float, bearing: float) -> Fields:
 
 
 def _beside_circle(start: Fields, arc: float, margin: float) -> Fields:
-    """A target beside a turning circle.
+    """The target beside a turning circle.
 
-    It is given by its angle along the circle and its distance from it.
+    `arc` is the angle along the circle (rad): positive on the left circle, negative on the right.
+    `margin` is the distance outside the circle (radii).
     """
     r = 1 + margin
     half = math.sin(arc / 2)

@@ -46,7 +46,7 @@ _ASKING = Allowance(10.0, activity="asking whether it can run")
 class SolverDescription(NamedTuple):
     """A solver under a profile, in plain values.
 
-    They are values that JSON can hold.
+    JSON can hold all of them, so that a plug-in's process can send them.
     """
 
     spec: str  # canonical, as in rows
@@ -64,7 +64,7 @@ class SolverDescription(NamedTuple):
 def describe_solver(spec: str, profile: str = "default") -> SolverDescription:
     """Describe the solver of a spec.
 
-    It is refused as by `solvers.registry.load`.
+    A spec of no usable solver is refused, as by `solvers.registry.load`.
     """
     if ours(spec):
         return _describe(spec, profile)
@@ -82,8 +82,7 @@ def describe_solver(spec: str, profile: str = "default") -> SolverDescription:
 def why_unavailable(spec: str, profile: str = "default") -> str | None:
     """Why a solver cannot run here, or None.
 
-    It is None too if a plug-in does not answer in time. A plug-in that dies or hangs here does so
-    in its rows as well.
+    None also stands for a plug-in that dies or hangs here: its rows will show that.
     """
     if ours(spec):
         return _availability(spec, profile)
@@ -94,7 +93,11 @@ def why_unavailable(spec: str, profile: str = "default") -> str | None:
 
 
 def _ask_apart(topic: str, spec: str, profile: str, allowance: Allowance) -> Answered | Ended:
-    """Answer of a plug-in's process about the plug-in."""
+    """Ask about a plug-in in a separate process.
+
+    The process loads the plug-in. `topic` is "description" or "availability". Returns the answer,
+    or the end of the process.
+    """
     with closing(WorkerProcess(f"{__name__}:serve_plugin", [], sys.maxsize)) as worker:
         return worker.request([topic, spec, profile], allowance)
 
@@ -122,7 +125,7 @@ def _describe(spec: str, profile: str) -> SolverDescription:
 def serve_plugin(channel: Channel) -> None:
     """Answer questions about plug-ins.
 
-    This runs in the process that loads them.
+    This runs in the process that loads them. A task is `[topic, spec, profile]`.
     """
     functions = {"description": _description, "availability": _availability}
 
@@ -139,6 +142,10 @@ def _availability(spec: str, profile: str) -> str | None:
 
 
 def _description(spec: str, profile: str) -> list[Any]:
+    """Fields of the description, and an error message.
+
+    One of the two is None.
+    """
     try:
         return [_describe(spec, profile)._asdict(), None]
     except SolverError as error:
@@ -162,11 +169,11 @@ def expand_solvers(specs: list[str], profile: str = "default") -> list[str]:
 
 
 def check_spec(spec: str, profile: str, *, trust_plugins: bool) -> None:
-    """Refuse a file's spec of no usable solver.
+    """Refuse a spec of a file if not usable.
 
-    The solver does not exist, or cannot be described. Plug-in files and programs on PATH are
-    refused unless they are trusted, since the file may come from anyone; none of them is loaded
-    before.
+    A solver that does not exist or cannot be described is refused. Unless `trust_plugins`, so is a
+    plug-in file or a program on PATH, and it is not loaded: the experiment's file may come from
+    anyone.
     """
     if spec == "*":
         return

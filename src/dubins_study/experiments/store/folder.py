@@ -45,7 +45,8 @@ _POLL_INTERVAL_S = 0.02
 def locked(folder: FilePath) -> Iterator[None]:
     """Lock a folder inside the `with` block.
 
-    The lock is this process's; after a crash it is released too.
+    If another process holds the lock, ResultsError is raised. The lock ends with this process, even
+    after a crash.
     """
     file = folder / LOCK
     lock = FileLock(file, timeout=_WAIT_S, poll_interval=_POLL_INTERVAL_S, fallback_to_soft=False)
@@ -72,7 +73,7 @@ def locked(folder: FilePath) -> Iterator[None]:
 def lock_holder(folder: FilePath) -> dict[str, object]:
     """`pid` and `started` of a folder's last lock.
 
-    They are those of the process that locked it; empty if not recorded.
+    `pid` is the process that locked the folder. Empty if nothing is recorded.
     """
     try:
         content = json.loads((folder / LOCK).read_text(encoding="utf-8"))
@@ -121,11 +122,11 @@ def prepare_folder(folder: FilePath) -> None:
 
 
 def open_folder(folder: FilePath, manifest: Manifest, restart: bool) -> tuple[Manifest, list[str]]:
-    """Repair a locked folder, and check its experiment.
+    """Check a locked folder's experiment, and repair it.
 
-    This process has locked it. The manifest is returned, joined with that of earlier runs, with one
-    sentence per repair. A folder of another experiment or schema is refused and stays as it is.
-    `restart` deletes rows.
+    This process must hold the lock. Returns the manifest, joined with that of earlier runs, and a
+    sentence for each repair. A folder of another experiment or schema is refused and stays as it
+    is. With `restart` all rows are deleted, and earlier runs are forgotten.
     """
     with os_errors_as(f"cannot write to {folder}"):
         if (folder / MANIFEST).exists() and not restart:
@@ -154,9 +155,10 @@ def open_folder(folder: FilePath, manifest: Manifest, restart: bool) -> tuple[Ma
 
 
 def _mend(folder: FilePath) -> list[str]:
-    """Move damaged parts away.
+    """Move damaged parts to the folder `DAMAGED`.
 
-    Every part is checked; files of a killed run are removed.
+    Returns a sentence for each. Every part is checked. Temporary files that a killed run has left
+    are deleted.
     """
     damaged = []
     place = folder / DAMAGED
@@ -190,7 +192,7 @@ def read_rows(
 ) -> pa.Table:
     """The rows of a folder, one row per cell.
 
-    They have the key columns and those named, or all columns.
+    The table has the key columns and then those of `columns`; None stands for all columns.
 
     Damaged parts are passed over and appended to `damaged`; without that list they are refused.
     """

@@ -1,6 +1,6 @@
 """Write the manifest of a results folder.
 
-It holds the number of its cells and the entry of the current run.
+The manifest has the number of cells, and an entry for each run.
 """
 
 from __future__ import annotations
@@ -46,18 +46,21 @@ def write_manifest(folder: FilePath, manifest: Manifest) -> None:
 
 def count_by_code(keys: Iterable[Key]) -> Counter[tuple[str, str]]:
     """Number of cells by spec and code digest."""
+    # a key begins with the scenario's id and the spec, and ends with the code digest
     return Counter((spec, digest) for _, spec, *_, digest in keys)
 
 
 def count_cells(
     manifest: Manifest, requested: Collection[str], rows: Mapping[tuple[str, str], int]
 ) -> tuple[Manifest, bool]:
-    """Record the number of cells of each solver.
+    """Record how many cells each solver should have.
 
-    It is the number that the folder should hold; rows of old code do not count.
+    Returns the changed manifest, and whether the folder will be finished after this run.
 
-    `rows` are those that the folder will hold after this run, by spec and code digest; returned are
-    the manifest and whether the folder will be finished then. Specs not `requested` stay.
+    Args:
+        manifest: with an entry for each solver; rows of other code than the entry's do not count.
+        requested: the specs that this run asks. Other solvers keep their number of cells.
+        rows: the number of rows after this run, by spec and code digest.
     """
     solvers = {}
     complete = True
@@ -135,7 +138,7 @@ class RunRecord:
     def write(self, **changes: Any) -> None:
         """Write the manifest with an updated `RunEntry`.
 
-        The new values of its fields are given.
+        `changes` are new values of the entry's fields. The run's duration is updated too.
         """
         self._written = monotonic()
         seconds = round(self._written - self._began, 3)

@@ -32,9 +32,9 @@ _MAX_LISTED = 5
 def merged_rows(
     tables: Sequence[pa.Table], folders: Sequence[FilePath], tolerance: float
 ) -> tuple[pa.Table, int]:
-    """The earliest row per cell.
+    """The earliest row per cell, and a number.
 
-    The number of other attempts that agree with it is counted; copies are left out.
+    The number counts the other attempts, which agree with the earliest; copies do not count.
 
     Cells whose attempts contradict each other (gaps differ by more than the tolerance) are refused.
     """
@@ -60,14 +60,16 @@ def merged_rows(
             f"the folders contradict each other in {count}; nothing was merged:\n  {listed}"
         )
     copies = (pairs["run_id"] == pairs["run_id_kept"]) & (pairs["started"] == pairs["started_kept"])
+    # back from the order of starts to the order of the tables
     positions = np.sort(rows.index.to_numpy()[first_rows])
     return table.take(pa.array(positions)), int((~copies).sum())
 
 
 def _contradiction(pair: pd.Series[str], differ: pd.Series[bool]) -> str:
-    """A cell, and the values that contradict.
+    """A sentence about two attempts that contradict.
 
-    They are both values of every column in which two attempts differ.
+    It names the cell, and both values of every column in which the attempts differ. `pair` is a row
+    of `compare_attempts`; `differ` marks the columns.
     """
     values = "; ".join(
         f"{name} is {pair[f'{name}_kept']} in {pair['folder_kept']} and {pair[name]} in "
@@ -131,6 +133,10 @@ def merge(folders: Iterable[str | FilePath], out: str | FilePath) -> Union:
 
 
 def _read_manifests(folders: Sequence[FilePath]) -> list[Manifest]:
+    """The manifests of folders that can be united.
+
+    Refused are a single folder, one that is in use, and folders of different experiments.
+    """
     if len(folders) < 2:
         raise ResultsError(f"{len(folders)} results folder given; expected at least two to merge")
     manifests = [read_manifest(folder) for folder in folders]
@@ -148,7 +154,7 @@ def _read_manifests(folders: Sequence[FilePath]) -> list[Manifest]:
 
 
 def _unite(folders: Sequence[FilePath], manifests: Sequence[Manifest], fresh: FilePath) -> Union:
-    """Write the union to a new folder."""
+    """Write the union to a folder; return its numbers."""
     tolerance = manifests[0].gap_tolerance
     table, repeats = merged_rows([read_rows(folder) for folder in folders], folders, tolerance)
     (fresh / PARTS).mkdir(parents=True)
@@ -169,7 +175,8 @@ def _unite(folders: Sequence[FilePath], manifests: Sequence[Manifest], fresh: Fi
 def _unite_manifests(manifests: Sequence[Manifest]) -> Manifest:
     """The united manifest of all folders.
 
-    It is the first folder's, with the solvers and runs of all folders.
+    It is the first folder's, with the solvers and runs of all folders. Of a solver's entries the
+    first counts, with the largest number of cells that a folder has for the same code.
     """
     solvers: dict[str, SolverEntry] = {}
     runs: dict[str, RunEntry] = {}

@@ -23,11 +23,10 @@ TEMPORARY = ".dubins-study.tmp"
 
 
 def write_whole(final: FilePath, write: Callable[[FilePath], object]) -> None:
-    """Write a file, then rename it in one step.
+    """Write a file completely or not at all.
 
-    It is written under a temporary name, synced, and renamed to `final`.
-
-    `write` is called with a path and writes the content there.
+    `write` is called with a temporary path and writes the content there. That file is then synced
+    and renamed to `final`. After an error it is removed.
     """
     temporary = final.with_name(f".{final.name}{TEMPORARY}")
     try:
@@ -62,7 +61,7 @@ def write_part(
 ) -> FilePath:
     """Write a part completely or not at all.
 
-    Its file is returned.
+    Returns the part's path. `metadata` are stored in the file, beside the schema's version.
     """
     final = folder / PARTS / f"{name}.parquet"
 
@@ -104,7 +103,7 @@ class PartWriter:
     def skip(self, cells: set[Key]) -> None:
         """Count cells as done that have a row.
 
-        Those of a sweep are solved again.
+        Some of them are solved again, as parts of a sweep; `add` then ignores their new rows.
         """
         self._skipped = cells
         self._cells_done += len(cells)

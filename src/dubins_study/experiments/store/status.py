@@ -103,6 +103,10 @@ def status(folder: str | FilePath) -> Status:
 def _status(
     folder: FilePath, manifest: Manifest, rows: pd.DataFrame, damaged: int, live: bool
 ) -> Status:
+    """The status by a folder's manifest and rows.
+
+    Rows of other code than the manifest's are counted as `stale`, and nowhere else.
+    """
     current = rows[rows["code_digest"] == rows["solver"].map(manifest.code_digests)]
     done = _counts(current["solver"])
     failed = current["outcome"][~current["outcome"].isin(("returned", "unsupported"))]
@@ -117,7 +121,7 @@ def _status(
     if runs:
         jobs = runs[-1].jobs
     waiting = sum(left.values())
-    seconds_left: float | None = 0.0
+    seconds_left: float | None = 0.0  # nothing is left; None if no row tells how long a solve takes
     if waiting:
         seconds_left = None
         if len(current):
@@ -142,6 +146,10 @@ def _status(
 
 
 def _process(folder: FilePath, live: bool) -> int | None:
+    """The current run's pid, or 0 if unknown.
+
+    None if no run is active.
+    """
     if not live:
         return None
     pid = lock_holder(folder).get("pid")
@@ -161,7 +169,7 @@ def _runs(runs: Sequence[RunEntry], live: bool) -> list[RunEntry]:
     """
     ended = runs
     if live:
-        ended = runs[:-1]
+        ended = runs[:-1]  # the last run is the one that is active
     shown = [*runs]
     for place, run in enumerate(ended):
         if run.state == RUNNING:
