@@ -194,7 +194,7 @@ def _scenario_text(scenario: Scenario) -> str:
 
 
 class QuestionError(DubinsStudyError, ValueError):
-    """A scenario, branch, limit or guess that no solver takes."""
+    """A question or limit that no solver takes."""
 
 
 def check_branch(scenario: Scenario, branch: str) -> None:

@@ -292,7 +292,7 @@ def with_others(rows: pd.DataFrame, others: pd.DataFrame) -> pd.DataFrame:
 
 
 def _parts(frame: pd.DataFrame) -> list[tuple[Kind, Any]]:
-    """The kinds in a checked frame, with their rows' places.
+    """The kinds in a frame, with their rows' places.
 
     Returns pairs of a kind and an array of places, counted from 0. A frame without rows gives one
     pair: legs, without places.

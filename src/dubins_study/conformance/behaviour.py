@@ -83,7 +83,7 @@ _BEYOND_S = 1.0
 
 
 def limits(interview: Interview) -> Checked:
-    """Check the time of a solve limited to 0.05 s.
+    """Check the time of a solve with 0.05 s.
 
     A solver that promises `keeps_limit` fails if it takes over a second more. Any other gets a note
     if a run would have ended it.

@@ -300,7 +300,7 @@ def _names(checks: Iterable[str]) -> list[str]:
 
 
 def _spec_of(kind: Any) -> str:
-    """A spec as it is, or that of a class.
+    """A spec, or the spec of a class.
 
     The spec of a class is its registered name, or its file and name.
     """

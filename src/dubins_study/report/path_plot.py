@@ -62,7 +62,7 @@ def plot_path(
     names: Sequence[str] = (),
     geographic: bool = False,
 ) -> Figure:
-    """Draw a path with its turning circles, start and target.
+    """Draw a path, its circles, start and target.
 
     An answer that the check finds longer than the shortest path, or to miss the target, is drawn
     beside the shortest path of its branch.

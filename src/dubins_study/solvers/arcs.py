@@ -68,7 +68,7 @@ def most_turn(course: Course, n: int, equal: bool) -> float:
 
 
 class Rates(NamedTuple):
-    """Bounds on the turn rate, in units of 1 / radius."""
+    """Bounds on the turn rate (1 / radius)."""
 
     lower: float
     upper: float

@@ -89,7 +89,7 @@ class Engine(NamedTuple):
         return call
 
     def tolerance(self, options: str, tol: float = 0.0) -> float | None:
-        """The engine's tolerance on equations in a set of options.
+        """The tolerance on equations of an option set.
 
         `options` is the set's name. None if the set leaves the tolerance to the engine.
         """

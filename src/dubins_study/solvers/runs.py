@@ -178,7 +178,7 @@ def nothing_found(runs: Sequence[Run[Any]]) -> Solution:
 
 
 def at_start(scenario: Scenario, target: Local | None, tolerance: float = 0.0) -> Solution | None:
-    """A path of no length as the answer, or None.
+    """A path of no length, or None.
 
     The answer exists if the target is within `tolerance` radii of the start. `target` is None where
     a path of no length is no answer: in every case but one leg with a free final heading.

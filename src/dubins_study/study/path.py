@@ -504,7 +504,7 @@ def _cuts(lengths: FloatArray, parts: NDArray[np.int_]) -> FloatArray:
 
 
 def _side(curvature: float, ripple: float) -> int:
-    """Side of an arc: 1 left, -1 right, 0 straight."""
+    """Side: 1 left, -1 right, 0 straight."""
     if abs(curvature) <= ripple:
         return 0
     if curvature > 0:

@@ -307,7 +307,7 @@ def numbers_of(name: str, value: Any) -> list[float] | None:
 
 
 def is_missing(value: Any) -> bool:
-    """Whether a cell is empty: None, NaN, or pandas' NA."""
+    """Whether a cell is None, NaN or NA."""
     return (
         value is None
         or (isinstance(value, float) and math.isnan(value))

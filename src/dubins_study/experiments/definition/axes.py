@@ -200,7 +200,7 @@ _Coordinate = Annotated[float, Field(allow_inf_nan=False, strict=True)]
 
 
 def _stop(written: Any, validate: ValidatorFunctionWrapHandler) -> tuple[float, ...]:
-    """A via point, with its heading if it has one.
+    """A via point, with its heading if any.
 
     The result is `(x, y)` or `(x, y, heading)`, the heading in rad. In the file, the heading is an
     angle or "free", or is left out.

@@ -1,4 +1,4 @@
-"""Points as they lie in practice: the laws of `field`.
+"""Points as in practice: the laws of `field`.
 
 The law `random` is in `plan.scenarios`.
 

@@ -152,7 +152,7 @@ class Draw(NamedTuple):
 
 
 def _draws(block: Block) -> Iterable[Draw]:
-    """The draws of a block; one empty draw without any."""
+    """The draws of a block; at least one."""
     if block.sample is not None:
         return _samples(block.sample)
     if block.route is not None:
@@ -204,7 +204,7 @@ def _routes(route: Route) -> Iterator[Draw]:
 
 
 def _walk(rng: np.random.Generator, legs: int, low: float, high: float) -> list[list[float]]:
-    """Points of a random walk that begins at (0, 0).
+    """Points of a random walk from (0, 0).
 
     There are as many points as legs: the start is left out. The way from each point to the next has
     any direction, and a length from `low` to `high` (radii).

@@ -57,7 +57,7 @@ class Folder:
 
     @property
     def title(self) -> str:
-        """The experiment's title, or its name if it has no title."""
+        """The experiment's title, or else its name."""
         return self.manifest.experiment.title or self.name
 
 

@@ -92,7 +92,7 @@ def sentences(*each: str) -> str:
 
 
 def seconds(value: Any) -> str:
-    """A duration (s) with three digits and a suitable unit."""
+    """A duration (s), with three digits and unit."""
     number = float(value)
     for factor, unit in ((1.0, "s"), (1e-3, "ms"), (1e-6, "µs")):
         if number >= factor:

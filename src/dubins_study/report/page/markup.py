@@ -88,7 +88,7 @@ def dictionary(sections: Iterable[Section]) -> Table:
 
 
 def _headings(table: Table) -> dict[str, str]:
-    """Map each column of a CSV file to its heading.
+    """Map a CSV file's columns to their headings.
 
     The heading is empty for a column that the page does not show.
     """

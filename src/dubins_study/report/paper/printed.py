@@ -29,7 +29,7 @@ NUMBERS = tomllib.loads((_FOLDER / "printed.toml").read_text(encoding="utf-8"))
 
 
 class Problem(NamedTuple):
-    """A scenario of the paper, exactly as stated; it starts at (0, 0)."""
+    """A scenario of the paper, from (0, 0)."""
 
     label: str  # in the experiment `paper`
     heading: Fraction  # at the start, in units of pi
@@ -38,7 +38,7 @@ class Problem(NamedTuple):
 
     @property
     def position(self) -> str:
-        """The test problem without its radius: `problem 1` to `problem 5`."""
+        """The test problem: `problem 1` to `problem 5`."""
         return self.label.partition(",")[0]
 
     @property
@@ -65,7 +65,7 @@ class PrintedRow(NamedTuple):
 
     @property
     def word(self) -> str:
-        """`LS` or `RS`, depending on which turn is printed as 0."""
+        """`LS` or `RS`: one turn is printed as 0."""
         if self.cells[0] == "0":
             return "RS"
         return "LS"
@@ -90,5 +90,5 @@ def committed() -> dict[str, Any]:
 
 
 def misprints(audit: dict[str, Any]) -> list[dict[str, Any]]:
-    """The printed cells of an audit that are not correct roundings."""
+    """The printed cells that are not correct roundings."""
     return [cell for cell in audit["cells"] if cell["verdict"] != CORRECT]

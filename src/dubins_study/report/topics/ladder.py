@@ -130,7 +130,7 @@ def _picture(table: pd.DataFrame, palette: Palette) -> Picture:
     panels = {side: rows for side, rows in placed.groupby("side") if len(rows)}
 
     def dress(ax: Axes, rows: pd.DataFrame) -> None:
-        """Ring false claims, draw the limit, and name the axes."""
+        """Ring false claims; draw limit and axes' names."""
         false = rows[rows["false_claim"]]
         ax.plot(false["x"], false["y"], "o", color=VERMILION, markersize=7, markerfacecolor="none")
         mark_limit(ax, -math.log10(ARRIVES))

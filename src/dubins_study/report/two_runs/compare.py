@@ -50,7 +50,7 @@ def compare(
     out: str | FilePath | None = None,
     slower: float = SLOWER,
 ) -> Comparison:
-    """Compare two results folders of one experiment, question by question.
+    """Compare two results folders, question by question.
 
     Args:
         base: the folder to compare with.

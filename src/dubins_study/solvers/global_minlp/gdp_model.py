@@ -192,7 +192,7 @@ def _add_steps(m: Any, steps: Steps, away: list[list[float]]) -> None:
 
 
 def _add_quadrants(m: Any, ranges: dict[tuple[int, str], tuple[float, float]]) -> None:
-    """Tie the angles of m to their sines and cosines.
+    """Tie angles to their sines and cosines.
 
     This adds to m variables, constraints and one disjunct for each quadrant of an angle.
     """
@@ -234,7 +234,7 @@ def _quadrant(disjunct: Any, leg: int, name: str, k: int) -> None:
 
 
 def _word(disjunct: Any, leg: int, word: str, steps: dict[tuple[int, int], FloatArray]) -> None:
-    """Add the constraints of a leg's word to a disjunct.
+    """Add a word's constraints to a disjunct.
 
     The leg goes over its only step, or over the one of several that `_add_steps` lets the engine
     choose. The equations: docs/formulations/disjunction.md.
@@ -305,7 +305,7 @@ def _whole_turns(m: Any, point: int) -> Any:
 
 
 def pieces(word: str, alpha: float, gamma: float, w: float, beta: float) -> FloatArray:
-    """The lengths of a word's pieces, shape (2,) or (3,)."""
+    """Lengths of a word's pieces, (2,) or (3,)."""
     if len(word) == 2:
         last = gamma
         if word[1] == "S":

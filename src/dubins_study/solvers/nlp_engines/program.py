@@ -199,7 +199,7 @@ _QUICK_ITERATIONS = 3000  # Ipopt's default; on ten variables they take a third 
 
 
 def needs_watch(max_iter: int | None, n: int) -> bool:
-    """Whether a run on n variables looks at the time.
+    """Whether runs on n variables watch the time.
 
     A run that may take half a second does: one with many variables, or with a high limit of
     iterations. In a quicker run these looks would cost a tenth of the time, or more than the

@@ -105,7 +105,7 @@ def one_sided_only(question: Question, target: Local, path: Path) -> str | None:
 
 
 def polish(case: Case, z: FloatArray) -> tuple[FloatArray, float]:
-    """Move a case's point z as near to the target as possible.
+    """Move a case's z nearest to the target.
 
     Returns two values: the moved point, and its miss (radii). Each step is Newton's step on the two
     equations, or the shortest least squares step. The step is cut to the lengths that the case

@@ -148,7 +148,7 @@ def solve_in_pyomo(case: Case, guess: FloatArray, seconds: float, interface: str
 def _ended(
     model: Any, loader: Any, claim: Claim, status: str, message: str, iterations: int | None = None
 ) -> EngineResult:
-    """The end of a run, from one of Pyomo's loaders.
+    """The end of a run, by Pyomo's loader.
 
     The loader gives the point and the duals. Without a point the claim becomes `failed`, unless it
     needs no point. The duals are None if the loader has none.

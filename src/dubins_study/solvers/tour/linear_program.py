@@ -86,7 +86,7 @@ def _ones(rows: IntArray, columns: IntArray, height: int) -> csr_array:
 
 
 def _with_flow(program: LinearProgram, z: csr_array, i: IntArray, j: IntArray) -> LinearProgram:
-    """The program with a flow for each pair (i, j).
+    """The program with a flow per pair (i, j).
 
     Each place but the start keeps one unit. Where j does not follow i (a row of `z`), the flow is
     0. Elsewhere it is at most the number of places that are left to be passed. No flow goes to the

@@ -99,7 +99,7 @@ def places_of(scenario: Scenario) -> Places:
 
 
 def empty_path(question: Question) -> Solution | None:
-    """A path of no length as the answer, or None.
+    """A path of no length, or None.
 
     The answer exists if the question is one leg whose target is its start.
     """

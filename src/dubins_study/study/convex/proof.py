@@ -304,7 +304,7 @@ def judge_convex(
 def _measure(
     problem: Problem, point: Point, tolerance: float, low: float, high: float
 ) -> tuple[Verdict, dict[str, float]]:
-    """Verdict on a point of finite numbers, with judgement columns.
+    """Verdict on a finite point, with columns.
 
     The columns `length` and `gap` are left out if the point misses.
     """

@@ -42,7 +42,7 @@ class Exact(NamedTuple):
 
     @classmethod
     def known(cls, path: Path | None) -> Exact:
-        """A shortest path by a formula, whose length is known."""
+        """A shortest path of known length, by formula."""
         length = math.inf
         if path is not None:
             length = path.length

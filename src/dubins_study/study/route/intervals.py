@@ -50,7 +50,7 @@ class Intervals(NamedTuple):
         return Intervals(*(column[places] for column in self))
 
     def halved(self, side: FloatArray) -> Intervals:
-        """The lower half of each where the side is -0.5, the upper one where it is 0.5.
+        """Lower (side -0.5) or upper (0.5) halves.
 
         The whole interval where the side is 0.
         """

@@ -575,7 +575,7 @@ def _least_tree(stops: Stops) -> float:
 
 
 def _intervals_at(heading: float | None, count: int) -> Intervals:
-    """Intervals of headings at a point: `count` if its heading is free."""
+    """Intervals of headings; `count` if free."""
     if heading is not None:
         return Intervals(
             np.array([math.remainder(heading, TWO_PI)]), np.array([OVERLAP]), np.zeros(1)
