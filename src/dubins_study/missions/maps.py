@@ -85,7 +85,8 @@ def read_geojson(content: Any, compass: bool) -> Reading:
     if on_earth and all(abs(point.x) <= 180 and abs(point.y) <= 90 for point in reading.points):
         return reading
     note = "no degrees of WGS 84, by crs or by size: x and y on a plane, in the radius's unit"
-    return reading._replace(degrees=False, passed=f"{note} {reading.passed}".strip())
+    notes = filter(None, (note, reading.passed))
+    return reading._replace(degrees=False, passed="; ".join(notes))
 
 
 def _read_features(

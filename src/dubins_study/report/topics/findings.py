@@ -46,9 +46,8 @@ def words_against_joint(evidence: Evidence) -> Finding | None:
     """One problem a word against the joint model.
 
     Pairs of methods differ in the formulation alone: the engine and the guess are the same, and
-    both are presolved or neither is. Routes are left out: their words come from a dynamic program
-    with the closed form, so that the two formulations know different things and begin from
-    different guesses. Each kind of guess has its own difference. The largest clear difference is
+    both are presolved or neither is. Routes have no such pair: their joint model is a formulation
+    of its own. Each kind of guess has its own difference. The largest clear difference is
     the sentence, and the others follow in `question`.
     """
     same = ["engine", "guess", "guesses", "presolve", "settings"]
