@@ -217,7 +217,7 @@ def _engines(methods: pd.DataFrame, shift: float) -> Table:
     caption = (
         "Share of problems solved right, its 95 % interval (Wilson), and the mean time. The mean "
         f"is shifted geometric, shift {seconds(shift)} (the lower quartile of all times); failures "
-        "and problems not asked count as the limit. Of a number: asked only this many. *: more than "
+        "and problems not asked count as the limit. Of a number: a sample. *: more than "
         "half of it is the floor, the time of a problem of one variable."
     )
     numbers: list[str] = []

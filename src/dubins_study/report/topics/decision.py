@@ -206,7 +206,7 @@ def _table(attempts: Compared, rows: pd.DataFrame, *, few: bool, each: bool) -> 
     if not each:
         caption = (
             "The best-supported solver, whose 95 % interval (Wilson) has the highest lower end. "
-            "Of a number: it was asked a sample of this many questions. Then how the attempts of all "
+            "Of a number: asked a sample of that size. Then how the attempts of all "
             "engines end at equal options."
         )
     if few:
