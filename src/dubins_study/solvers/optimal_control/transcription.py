@@ -36,7 +36,7 @@ from dubins_study.solvers.runs import (
     EngineResult,
     Run,
     at_start,
-    nothing_found,
+    no_solution,
     run_attempts,
     spent,
     total,
@@ -263,7 +263,7 @@ def _answer(model: PosedCourse, runs: list[Run[Elements]], in_time: bool) -> Sol
     one that the engine calls a solution goes first.
     """
     if not runs:
-        return nothing_found(runs)
+        return no_solution(runs)
     scenario = model.question.scenario
     rates = model.rates
     course = model.course
