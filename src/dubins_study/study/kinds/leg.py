@@ -87,14 +87,13 @@ def _verdict(scenario: Scenario, arrived: Arrived, tolerances: Tolerances) -> Fo
     The path is compared with `_shortest_length`, as far as the data are known.
     """
     path, branch, _, word = arrived
-    length = path.length
     shortest_length = _shortest_length(scenario, arrived)
     if shortest_length is None:
         return Found(Verdict.MISSES, {})
     reference = _known_to_delta(
-        scenario, branch, length=length, reference=shortest_length, gap=tolerances.gap
+        scenario, branch, length=path.length, reference=shortest_length, gap=tolerances.gap
     )
-    gap = (length - reference) / max(reference, scenario.radius)
+    gap = (path.length - reference) / max(reference, scenario.radius)
     columns = {"reference": reference, "gap": gap}
     if not gap > tolerances.gap:
         return Found(Verdict.OPTIMAL, columns)
