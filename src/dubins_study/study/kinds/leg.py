@@ -84,7 +84,7 @@ def _word_of(path: Path, at: Sequence[float], radius: float) -> str:
 def _verdict(scenario: Scenario, arrived: Arrived, tolerances: Tolerances) -> Found:
     """Verdict on a path that arrives with any heading.
 
-    The path is compared with `_shortest_length`, as far as the data are known.
+    It is compared with `_shortest_length`, or with what `_known_to_delta` makes of that length.
     """
     path, branch, _, word = arrived
     shortest_length = _shortest_length(scenario, arrived)
