@@ -33,6 +33,9 @@ _FEWEST_TURNS = -3
 # ends); 0 is the start: [{(0, 1): step, (0, 2): step}, {(1, 2): step, (2, 1): step}].
 Steps = list[dict[tuple[int, int], FloatArray]]
 
+# The least and the largest value of each angle, by leg and name: {(0, "alpha"): (0.0, 6.28), ...}.
+Ranges = dict[tuple[int, str], tuple[float, float]]
+
 
 def steps_in_any_order(course: Course, with_target: bool) -> Steps:
     """Each leg's possible steps if the order is free.
@@ -95,7 +98,7 @@ def gdp_model(
             close = min(distances) < _THREE_ARCS
             of_leg.append([word for word in _OF_LEGS if close or "S" in word])
             farthest.append(max(max(distances) + 4, 2 * TWO_PI))
-    ranges: dict[tuple[int, str], tuple[float, float]] = {}
+    ranges: Ranges = {}
     for leg in range(n):
         three_arcs = "RLR" in of_leg[leg]
         lowest = 0.0
@@ -191,7 +194,7 @@ def _add_steps(m: Any, steps: Steps, away: list[list[float]]) -> None:
     m.straight = Constraint(legs, rule=straight)
 
 
-def _add_quadrants(m: Any, ranges: dict[tuple[int, str], tuple[float, float]]) -> None:
+def _add_quadrants(m: Any, ranges: Ranges) -> None:
     """Tie angles to their sines and cosines.
 
     This adds to m variables, constraints and one disjunct for each quadrant of an angle.
