@@ -107,7 +107,7 @@ class Answer(Spent, Times, Certificate, Judgement, Reported):
             f"message {plain(self.message)}",
             f"solver {self.solver}, branch {self.branch}, outcome {self.outcome}",
         ]
-        text = "\n".join(f"  {line:.{_REPR_CHARS}}" for line in lines)
+        text = "\n".join(f"  {line[:_REPR_CHARS]}" for line in lines)
         return f"Answer(\n{text})"
 
     def __dir__(self) -> tuple[str, ...]:
@@ -242,7 +242,8 @@ def attempt(
     """
     prepare(question.scenario, question.branch)
     began = monotonic()
-    reply = with_possible_times(ask(solver, question, limit), monotonic() - began)
+    reply = ask(solver, question, limit)
+    reply = with_possible_times(reply, waited_s=monotonic() - began)
     return judged(spec or solver.name, question, reply, allowed, stated_method(solver))
 
 

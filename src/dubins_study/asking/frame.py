@@ -69,28 +69,32 @@ def solve_frame(
     backend = load(solver, profile)
     frame, others = checked(scenarios)
     check_branches(frame, branch)
-    whole = backend.solve_frame
-    # `whole` is the solver's `solve_frame`, or None if it must be asked row by row
-    presolves = backend.presolve is True
-    if presolves or unavailable(backend) is not None or branch not in backend.branches:
-        whole = None
+    solve_whole = backend.solve_frame
+    if (
+        backend.presolve is True
+        or unavailable(backend) is not None
+        or branch not in backend.branches
+    ):
+        solve_whole = None  # the solver is asked row by row
     parts: list[tuple[Any, pd.DataFrame]] = []
     for kind, places in _parts(frame):
         part = frame
         if len(places) < len(frame):
             part = frame.iloc[places]
-        if whole is not None and kind.need_of_rows in backend.takes:
-            rows = _all_at_once(part, whole, stated_method(backend), branch, allowed, certified)
+        if solve_whole is not None and kind.need_of_rows in backend.takes:
+            rows = _all_at_once(
+                part, solve_whole, stated_method(backend), branch, allowed, certified
+            )
         else:
-            single = (attempt(backend, q, limit, allowed, solver) for q in questions(part, branch))
-            rows = row_by_row(part, single)
+            answers = (attempt(backend, q, limit, allowed, solver) for q in questions(part, branch))
+            rows = row_by_row(part, answers)
         parts.append((places, rows))
     return with_others(_in_order(parts, frame), others)
 
 
 def _all_at_once(
     frame: pd.DataFrame,
-    whole: Callable[[pd.DataFrame, str], FrameSolution],
+    solve_whole: Callable[[pd.DataFrame, str], FrameSolution],
     method: Method,
     branch: str,
     allowed: Tolerances,
@@ -98,13 +102,13 @@ def _all_at_once(
 ) -> pd.DataFrame:
     """The judged rows of a frame answered at once.
 
-    `whole` is the solver's `solve_frame`. All rows of the frame are of one kind. The time of a row
-    is the call's time over the number of rows.
+    `solve_whole` is the solver's `solve_frame`. All rows of the frame are of one kind. The time of
+    a row is the call's time over the number of rows.
     """
     from dubins_study.study.judging.verdict_frame import judge_frame
 
     # the solver gets a copy, so that it cannot change the questions
-    outcome, solution, seconds = _run(whole, frame.copy(deep=False), branch)
+    outcome, solution, seconds = _run(solve_whole, frame.copy(deep=False), branch)
     judgement = judge_frame(frame, solution.paths, solution.claim, branch, allowed)
     arrays = _arrays(solution, judgement)
     if certified:
@@ -121,7 +125,7 @@ def _all_at_once(
 
 
 def _run(
-    whole: Callable[[pd.DataFrame, str], FrameSolution], frame: pd.DataFrame, branch: str
+    solve_whole: Callable[[pd.DataFrame, str], FrameSolution], frame: pd.DataFrame, branch: str
 ) -> tuple[Outcome, FrameSolution, float]:
     """The outcome, the answers and the seconds they took.
 
@@ -130,7 +134,7 @@ def _run(
     """
     began = perf_counter()
     try:
-        solution = whole(frame, branch)
+        solution = solve_whole(frame, branch)
         if not isinstance(solution, FrameSolution):
             raise TypeError(f"solve_frame returned {type(solution).__name__}, no FrameSolution")
         if len(solution.paths) != len(frame):

@@ -80,14 +80,17 @@ def ask(
     began = perf_counter()
     built = None
     try:
-        presolve_solution = None
+        solution = None
         if solver.presolve is True:
-            presolve_solution = presolved(question)
-        model = presolve_solution or solver.build(question)
-        built = perf_counter()
-        # building is taken off the limit, but some time to solve is left always
-        limit_left = max((1 - _HELD_BACK) * limit - (built - began), _HELD_BACK * limit)
-        solution = presolve_solution or solver.solve(model, limit_left)
+            solution = presolved(question)
+        if solution is not None:
+            built = perf_counter()
+        else:
+            model = solver.build(question)
+            built = perf_counter()
+            # building is taken off the limit, but some time to solve is left always
+            limit_left = max((1 - _HELD_BACK) * limit - (built - began), _HELD_BACK * limit)
+            solution = solver.solve(model, limit_left)
         ended = perf_counter()
         if not isinstance(solution, Solution):
             raise TypeError(f"solve returned {type(solution).__name__}; expected a Solution")

@@ -209,7 +209,7 @@ def _sinc_slope(x: FloatArray, sinc: FloatArray) -> FloatArray:
     return slope
 
 
-def turn_left(elements: Elements, course: Course) -> float:
+def remaining_turn(elements: Elements, course: Course) -> float:
     """The turn (rad) that remains to the final heading.
 
     The turn is from -pi to pi. It is 0 if the final heading is free.
@@ -229,7 +229,7 @@ def missed(elements: Elements, course: Course, rolled: Rollout | None = None) ->
     gaps = np.cumsum((rolled or rollout(elements)).gaps(elements, course), axis=0).ravel()
     if course.last is None:
         return gaps
-    return np.append(gaps, turn_left(elements, course))
+    return np.append(gaps, remaining_turn(elements, course))
 
 
 def miss(elements: Elements, course: Course) -> float:
@@ -382,8 +382,9 @@ def _moved(
         outside = free[:n] & ((moved < rates.lower) | (moved > rates.upper))
         if gentle or not outside.any():
             break
-        step[:n][outside] = (np.clip(moved, rates.lower, rates.upper) - rate)[outside]
-        free[:n] &= ~outside
+        fixed = np.flatnonzero(outside)
+        step[fixed] = (np.clip(moved, rates.lower, rates.upper) - rate)[fixed]
+        free[fixed] = False
     rate = np.clip(rate + step[:n] * unit, rates.lower, rates.upper)
     growth = 1.0 + step[n:]
     if not gentle:

@@ -48,14 +48,12 @@ def matrix() -> list[MatrixEntry]:
     the engines' kinds.
     """
     kinds = {"analytic": EXACT} | {name: ENGINES[name].kind for name in (*APART, *ENGINES)}
-    places = {kind: place for place, kind in enumerate(_REASONS)}
-    ordered = sorted(kinds, key=lambda name: places[kinds[name]])
+    in_order = list(_REASONS)
     entries = {}
-    for name in ordered:
+    for name in sorted(kinds, key=lambda name: in_order.index(kinds[name])):
         for entry in _of_engine(name, kinds[name]):
             entries[entry.formulation, entry.engine] = entry
-    order = {name: place for place, name in enumerate(FORMULATIONS)}
-    return sorted(entries.values(), key=lambda entry: order[entry.formulation])
+    return sorted(entries.values(), key=lambda entry: FORMULATIONS.index(entry.formulation))
 
 
 def _spec(template: str, name: str) -> str:

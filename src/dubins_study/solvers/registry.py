@@ -174,7 +174,7 @@ def stated_method(solver: Solver) -> Method:
     with suppress(TypeError, ValueError):
         if isinstance(stated, tuple):
             method = _with_floats(Method(*stated))
-    if method is None or not all(isinstance(text, str) for text in method[:3]):
+    if method is None or not _are_texts((method.formulation, method.engine, method.guess)):
         raise SolverError(
             f"solver {solver.name!r}: method is {stated!r:.80}; expected a tuple of texts: "
             "formulation, engine and, if there is one, the kind of initial guess"

@@ -169,7 +169,7 @@ def spent(runs: Sequence[Run[Any]], best: Run[Any] | None = None) -> dict[str, A
     return fields
 
 
-def nothing_found(runs: Sequence[Run[Any]]) -> Solution:
+def no_solution(runs: Sequence[Run[Any]]) -> Solution:
     """The answer `limit`, for runs without a point."""
     message = "no time to begin"
     if runs:

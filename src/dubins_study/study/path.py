@@ -370,8 +370,8 @@ class Path:
         )
         runs = [(side * (bend > tolerance), bend, length) for side, bend, length in _joined(pieces)]
         least = tolerance * self.length
-        # "SLR"[-1] is R. A straight that is left out may have stood between two equal letters.
-        letters = ("SLR"[side] for side, _, length in _joined(runs) if side or length > least)
+        # a straight that is left out may have stood between two equal letters
+        letters = (_LETTERS[side] for side, _, length in _joined(runs) if side or length > least)
         return "".join(letter for letter, _ in groupby(letters))
 
 
@@ -501,6 +501,9 @@ def _cuts(lengths: FloatArray, parts: NDArray[np.int_]) -> FloatArray:
     place = np.arange(parts.sum()) - (parts.cumsum() - parts).repeat(parts)
     begins = (ends - lengths).repeat(parts)
     return np.append(begins + place * (lengths / parts).repeat(parts), ends[-1:].sum())
+
+
+_LETTERS = {1: "L", -1: "R", 0: "S"}  # by the side of `_side`
 
 
 def _side(curvature: float, ripple: float) -> int:

@@ -315,6 +315,10 @@ def is_missing(value: Any) -> bool:
     )
 
 
+# options of `dubins-study solve` that need not be written where they have these values
+_COMMAND_DEFAULTS = {"radius": "1", "speed": "1", "branch": "best", "profile": "default"}
+
+
 def solve_command(row: Mapping[Any, Any]) -> str:
     """The `dubins-study solve` command of a row.
 
@@ -338,8 +342,7 @@ def solve_command(row: Mapping[Any, Any]) -> str:
     texts = {name: number_text(getattr(s, name)) for name in POSITIVE}
     texts |= {name: str(row[name]) for name in ("branch", "profile") if name in row}
     for name, text in texts.items():
-        # the command's defaults need not be written
-        if text not in ("1", "best", "default"):
+        if text != _COMMAND_DEFAULTS[name]:
             words += [f"--{name}", text]
     if row.get("time_limit_s") is not None:
         words += ["--time-limit", number_text(row["time_limit_s"])]

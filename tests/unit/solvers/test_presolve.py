@@ -72,6 +72,15 @@ def test_every_engine_gives_the_same_answer_and_it_is_marked(question):
         assert answer.message.startswith("presolve: the target is ")
 
 
+@pytest.mark.parametrize("name", TRANSCRIPTIONS)
+def test_a_transcription_called_directly_gives_the_same_answer(name):
+    """A transcription that is called directly presolves by itself."""
+    solver = presolving(name)
+    question = Question(placed(0.3, 0.8, 2, -1, 0.7, 2.5), "LS")
+
+    assert solver.solve(solver.build(question), 1.0) == ask(solver, question).solution
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("name", TRANSCRIPTIONS)
 def test_turning_one_way_into_the_circle_is_not_called_the_word(name):

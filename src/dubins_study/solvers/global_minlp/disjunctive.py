@@ -303,11 +303,11 @@ def _point(model: PosedDisjunction, x: FloatArray) -> Point:
         lengths.append(np.maximum(pieces(word, alpha, gamma, value(pyomo.w[leg]), beta), 0.0))
     steps = []
     for leg, leg_steps in enumerate(pyomo.steps):
-        ends = list(leg_steps)
-        if len(ends) > 1:
-            # the step that is chosen comes last
-            ends.sort(key=lambda pair: value(pyomo.step[leg, pair].binary_indicator_var))
-        steps.append(leg_steps[ends[-1]])
+        pairs = list(leg_steps)
+        taken = pairs[0]
+        if len(pairs) > 1:
+            taken = max(pairs, key=lambda pair: value(pyomo.step[leg, pair].binary_indicator_var))
+        steps.append(leg_steps[taken])
     return Point(words, lengths, np.array(steps))
 
 

@@ -33,6 +33,9 @@ _FEWEST_TURNS = -3
 # ends); 0 is the start: [{(0, 1): step, (0, 2): step}, {(1, 2): step, (2, 1): step}].
 Steps = list[dict[tuple[int, int], FloatArray]]
 
+# The least and the largest value of each angle, by leg and name: {(0, "alpha"): (0.0, 6.28), ...}.
+Ranges = dict[tuple[int, str], tuple[float, float]]
+
 
 def steps_in_any_order(course: Course, with_target: bool) -> Steps:
     """Each leg's possible steps if the order is free.
@@ -95,7 +98,7 @@ def gdp_model(
             close = min(distances) < _THREE_ARCS
             of_leg.append([word for word in _OF_LEGS if close or "S" in word])
             farthest.append(max(max(distances) + 4, 2 * TWO_PI))
-    ranges: dict[tuple[int, str], tuple[float, float]] = {}
+    ranges: Ranges = {}
     for leg in range(n):
         three_arcs = "RLR" in of_leg[leg]
         lowest = 0.0
@@ -132,8 +135,8 @@ def gdp_model(
     if course.last is not None:
         last = math.remainder(course.last, TWO_PI)
         m.arrives = Constraint(expr=m.theta[n] - _whole_turns(m, n) == last)
-    ends = sum(m.z[leg, name] for leg in range(n) for name in ("alpha", "gamma"))
-    m.length = Objective(expr=ends + sum(m.w[leg] for leg in range(n)))
+    turned = sum(m.z[leg, name] for leg in range(n) for name in ("alpha", "gamma"))
+    m.length = Objective(expr=turned + sum(m.w[leg] for leg in range(n)))
     return m
 
 
@@ -150,9 +153,9 @@ def _add_steps(m: Any, steps: Steps, away: list[list[float]]) -> None:
 
     legs = range(len(steps))
     farthest = [max(distances) for distances in away]
-    ends = {leg: (-far, far) for leg, far in enumerate(farthest)}
-    m.along = Var(legs, bounds=ends)
-    m.across = Var(legs, bounds=ends)
+    bounds = {leg: (-far, far) for leg, far in enumerate(farthest)}
+    m.along = Var(legs, bounds=bounds)
+    m.across = Var(legs, bounds=bounds)
     m.first_sine = Var(bounds=(-1, 1))  # of the first leg's direction
 
     def rule(disjunct: Any, leg: int, begin: int, end: int) -> None:
@@ -191,7 +194,7 @@ def _add_steps(m: Any, steps: Steps, away: list[list[float]]) -> None:
     m.straight = Constraint(legs, rule=straight)
 
 
-def _add_quadrants(m: Any, ranges: dict[tuple[int, str], tuple[float, float]]) -> None:
+def _add_quadrants(m: Any, ranges: Ranges) -> None:
     """Tie angles to their sines and cosines.
 
     This adds to m variables, constraints and one disjunct for each quadrant of an angle.
@@ -237,7 +240,9 @@ def _word(disjunct: Any, leg: int, word: str, steps: dict[tuple[int, int], Float
     """Add a word's constraints to a disjunct.
 
     The leg goes over its only step, or over the one of several that `_add_steps` lets the engine
-    choose. The equations: docs/formulations/disjunction.md.
+    choose. Seen along mu and to its left, that step divided by `scale` is (along, across); it is
+    equal to (ahead + sin alpha + sin gamma, aside) / scale. The equations:
+    docs/formulations/disjunction.md.
     """
     from pyomo.environ import Constraint
 
@@ -273,19 +278,18 @@ def _word(disjunct: Any, leg: int, word: str, steps: dict[tuple[int, int], Float
         scale = max(1.0, math.hypot(X, Y))
         along = (X * cos_mu + Y * sin_mu) / scale
         across = (Y * cos_mu - X * sin_mu) / scale
-    if "S" in word or len(word) == 2:
-        ahead = w
-        aside = last * (1 - cos_c) - first * (1 - cos_a)
-        if len(word) == 2:
-            absent = w
-            if word[1] == "S":
-                absent = gamma
-            disjunct.absent = Constraint(expr=absent == 0)
-        else:
-            disjunct.forward = Constraint(expr=alpha >= 0)
-            disjunct.and_last = Constraint(expr=gamma >= 0)
-            if (leg, "beta") in m.z:
-                disjunct.absent = Constraint(expr=m.z[leg, "beta"] == _QUARTER)
+    ahead = w  # of every word but those of three arcs
+    aside = last * (1 - cos_c) - first * (1 - cos_a)
+    if len(word) == 2:
+        unused = w
+        if word[1] == "S":
+            unused = gamma
+        disjunct.absent = Constraint(expr=unused == 0)
+    elif "S" in word:
+        disjunct.forward = Constraint(expr=alpha >= 0)
+        disjunct.and_last = Constraint(expr=gamma >= 0)
+        if (leg, "beta") in m.z:  # beta is not used: it is held at one end of its range
+            disjunct.absent = Constraint(expr=m.z[leg, "beta"] == _QUARTER)
     else:
         beta = m.z[leg, "beta"]
         ahead = 4 * m.s[leg, "beta"]

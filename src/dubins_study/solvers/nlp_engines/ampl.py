@@ -126,7 +126,7 @@ def _read(model: Any, written: NlFile, text: str, executable: str) -> EngineResu
         solution = parse_asl_sol_file(StringIO(text))
     except (PyomoException, ValueError, LookupError, AssertionError) as error:
         message = f"{executable}'s .sol file: {type(error).__name__}: {error}"
-        return no_point(len(variables), Claim.FAILED, "no .sol file", message)
+        return no_point(len(variables), Claim.FAILED, "unreadable .sol file", message)
     claim = claim_of("ampl", str(solution.solve_code // 100))
     status = f"solve_result_num {solution.solve_code}"
     message = " ".join(solution.message.split())
@@ -142,7 +142,7 @@ def _read(model: Any, written: NlFile, text: str, executable: str) -> EngineResu
     duals = None
     with suppress(PyomoException, NotImplementedError, LookupError):
         of_row = loader.get_duals(rows)
-        # Pyomo's dual is the objective's change per unit of right-hand side, ours minus that
+        # Pyomo's dual is d objective / d right-hand side; ours is its negative
         duals = -np.array([of_row[row] for row in rows])
     return EngineResult(x, claim, duals, status=status, message=message)
 

@@ -43,7 +43,8 @@ def nl_file(model: Any, title: str = "") -> NlFile:
 def pyomo_model(program: MixedProgram, guess: FloatArray | None = None) -> Any:
     """A program in Pyomo.
 
-    Its variables are x[0], x[1], ..., its rows g[0], g[1], ..., and its objective is f.
+    Its variables are x[0], x[1], ..., and its objective is f. Its relations g[0], g[1], ... are not
+    numbered as the program's rows: a row with two different finite ends makes two of them.
     """
     from pyomo import environ
 

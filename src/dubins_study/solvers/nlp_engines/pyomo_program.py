@@ -71,7 +71,9 @@ def asked(model: PyomoProgram, engine: NlpCall, native: bool) -> Ask:
     symbols[[*order.tolist(), *range(n, len(variables))]] = ca.vertcat(x, parameters)
     file_functions = ca.Function("file", [ca.vertcat(*file.x)], [file.f, ca.vertcat(*file.g)])
     f, g = file_functions(symbols[to_file.tolist()])
-    inequalities = np.flatnonzero((lowest != highest) & (not native))
+    inequalities = np.flatnonzero(lowest != highest)
+    if native:  # no row becomes an equation
+        inequalities = inequalities[:0]
     inequality_values = ca.Function("sides", [x, parameters], [g[inequalities.tolist()]])
     slack = ca.SX.sym("slack", inequalities.size)
     bounds = None

@@ -160,7 +160,7 @@ def _minimized(
 ) -> Any:
     """Run `scipy.optimize.minimize`; return its result.
 
-    With `seconds` a callback stops the run after this time. `given` are further arguments.
+    With `seconds` a callback stops the run after this time. `arguments` are handed to SciPy too.
     """
     from scipy.optimize import Bounds, minimize
 

@@ -63,10 +63,10 @@ def violation_slope(program: Program, x: FloatArray) -> float | None:
     slopes = csr_array(coo_array((entries, (rows, columns)), shape=(g.size, x.size)))
     box = np.maximum(program.lower - x, -_STEP), np.minimum(program.upper - x, _STEP)
     # the shares of the violation that no step removes; NaN where a program was not solved
-    shares = [_least_sum(slopes, high - g, g - low, box) / abs(violation).sum()]
+    remaining = [_least_sum(slopes, high - g, g - low, box) / abs(violation).sum()]
     if x.size <= _MOST and program.bounds is None:
-        shares.append(_least_length(slopes, violation, box) / float(np.linalg.norm(violation)))
-    return float(np.clip(1.0 - np.nanmax([0.0, *shares]), 0.0, 1.0))
+        remaining.append(_least_length(slopes, violation, box) / float(np.linalg.norm(violation)))
+    return float(np.clip(1.0 - np.nanmax([0.0, *remaining]), 0.0, 1.0))
 
 
 def _least_sum(

@@ -10,14 +10,21 @@ import numpy as np
 
 from dubins_study.solvers.course import in_world
 from dubins_study.solvers.one_leg.initial_guesses import suffices
-from dubins_study.solvers.one_leg.model import Case, PosedLeg, as_path, case_of, equations
+from dubins_study.solvers.one_leg.model import (
+    SUBPROBLEMS,
+    Case,
+    PosedLeg,
+    as_path,
+    case_of,
+    equations,
+)
 from dubins_study.solvers.protocol import Solution
 from dubins_study.solvers.runs import (
     Attempts,
     EngineResult,
     Run,
     best_run_and_claim,
-    nothing_found,
+    no_solution,
     run_attempts,
     spent,
     timed,
@@ -57,7 +64,7 @@ def searched(
 def _chosen(posed: PosedLeg, runs: list[Run[FloatArray]]) -> Solution:
     """The answer of all runs (`runs.best_run_and_claim`)."""
     if not runs:
-        return nothing_found(runs)
+        return no_solution(runs)
     scenario = posed.question.scenario
 
     def residual(run: Run[FloatArray]) -> float:
@@ -65,12 +72,12 @@ def _chosen(posed: PosedLeg, runs: list[Run[FloatArray]]) -> Solution:
         return float(np.abs(equations(run.point, X, Y)).sum())
 
     best, claim = best_run_and_claim(runs, residual)
-    subproblem = case_of(best.subproblem, posed.target).subproblem
+    subproblem = SUBPROBLEMS[best.subproblem]
     duals = best.result.duals
     multipliers = None
     if duals is not None:
         sides = (1, 1)
-        if subproblem.mirrored:
+        if subproblem.mirrored:  # the mirror turns y over, and with it the dual of y's equation
             sides = (1, -1)
         multipliers = in_world(scenario, np.multiply(sides, duals[:2]))
     # a point that its engine calls infeasible is no path, and some engines return no numbers when

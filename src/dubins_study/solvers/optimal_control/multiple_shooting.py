@@ -139,9 +139,9 @@ def expressions(n: int, signs: tuple[int, ...], equal: bool, legs: int, final: b
     variables = ca.vec(ca.vertcat(pose, control))[_POSE:]
     stages = None
     if not equal:
+        ng = ([0] * (n - 1) + [2]) * legs  # the two equations of a point where a leg ends
+        ng[-1] += final
         stages = Stages(
-            nx=(0, *(_POSE,) * (segments - 1)),
-            nu=(len(signs) + 1,) * segments,
-            ng=tuple(2 * (k % n == n - 1) + final * (k == segments - 1) for k in range(segments)),
+            nx=(0, *(_POSE,) * (segments - 1)), nu=(len(signs) + 1,) * segments, ng=tuple(ng)
         )
     return Expressions(variables, p=data, f=ca.sum2(length), g=ca.vertcat(*gaps), stages=stages)

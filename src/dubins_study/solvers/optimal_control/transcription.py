@@ -29,14 +29,14 @@ from dubins_study.solvers.engines import NLP_ENGINES, EngineSolver, engine_or_pr
 from dubins_study.solvers.one_leg.initial_guesses import INITIAL_GUESSES, bearing_guesses
 from dubins_study.solvers.one_leg.model import case_of
 from dubins_study.solvers.one_leg.polish import one_sided_only
-from dubins_study.solvers.presolve import words
+from dubins_study.solvers.presolve import presolved, words
 from dubins_study.solvers.protocol import Guarantee, Method, Question, Solution
 from dubins_study.solvers.runs import (
     Attempts,
     EngineResult,
     Run,
     at_start,
-    nothing_found,
+    no_solution,
     run_attempts,
     spent,
     total,
@@ -173,6 +173,8 @@ class Transcription(EngineSolver):
         rounding = coordinate_rounding(question.scenario)
         if there := at_start(question.scenario, course.target, rounding):
             return there
+        if self.presolve and course.target is not None and (excluded := presolved(question)):
+            return excluded  # there would be no guess
         if self.initial_guess == "words" and course.target is None:
             # only the closed form knows the words of a route's legs
             return Solution(
@@ -263,7 +265,7 @@ def _answer(model: PosedCourse, runs: list[Run[Elements]], in_time: bool) -> Sol
     one that the engine calls a solution goes first.
     """
     if not runs:
-        return nothing_found(runs)
+        return no_solution(runs)
     scenario = model.question.scenario
     rates = model.rates
     course = model.course
@@ -437,9 +439,9 @@ def _given(question: Question, course: Course, n: int, shares: FloatArray | None
         ends = np.maximum.accumulate(places[away.argmin(axis=0)])
     bounds = np.concatenate(([0.0], ends, [path.length]))
     begins = np.cumsum(path.lengths) - path.lengths
-    # the length that each arc has between a and b
-    legs = [
-        Path(HERE, path.curvatures, np.clip(path.lengths + begins, a, b) - np.clip(begins, a, b))
-        for a, b in pairwise(bounds)
-    ]
+    legs = []
+    for a, b in pairwise(bounds):
+        # the length that each arc has between a and b
+        lengths = np.clip(path.lengths + begins, a, b) - np.clip(begins, a, b)
+        legs.append(Path(HERE, path.curvatures, lengths))
     return [Guess("warm", _cut_legs(legs, n, shares))]

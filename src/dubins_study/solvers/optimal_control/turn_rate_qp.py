@@ -20,9 +20,9 @@ from dubins_study.solvers.arcs import (
     Rollout,
     corrected,
     missed,
+    remaining_turn,
     rollout,
     step_shares,
-    turn_left,
 )
 from dubins_study.solvers.course import Course
 from dubins_study.solvers.engines import names
@@ -175,12 +175,16 @@ class Sequence:
         return Transcribed(elements, result)
 
     def _begin(self, elements: Elements) -> None:
-        """Begin the sequence at these elements."""
+        """Begin the sequence at these elements.
+
+        The penalty, the trust region and the curvature begin anew. The multipliers are those of a
+        path whose legs end straight: unit vectors along the headings at the legs' ends.
+        """
         self.penalty = 10.0  # on missing the points
-        self.reach = 1.0  # of the trust region: rad, and share of a length
-        self.ease = 1.0  # the share of the curvature that counts
-        self.now = elements
-        self.rolled = rollout(elements)
+        self.reach = 1.0  # largest step of the trust region: rad, and share of a length
+        self.ease = 1.0  # factor of the QP's curvature; below 1 the steps get longer
+        self.now = elements  # the present point: the last one that was accepted
+        self.rolled = rollout(self.now)  # its chords and their derivatives
         ends = np.cumsum(elements.turn).reshape(self.course.legs, -1)[:, -1]
         self.duals = np.column_stack([np.cos(ends), np.sin(ends)])
 
@@ -218,14 +222,14 @@ class Sequence:
             reach=np.array([self.reach / unit]),
             stretch=np.array([min(self.reach, 0.5)]),
             h=np.array([unit / scale]),
-            r_h=np.array([turn_left(now, self.course) / scale]),
+            r_h=np.array([remaining_turn(now, self.course) / scale]),
         )
         seconds = max(self.deadline - time.perf_counter(), 1e-3)
         return self.qp.solve(numbers, self.options, seconds)
 
     def _merit(self, elements: Elements, rolled: Rollout) -> float:
         gaps = float(np.abs(rolled.gaps(elements, self.course)).sum())
-        return elements.total + self.penalty * (gaps + abs(turn_left(elements, self.course)))
+        return elements.total + self.penalty * (gaps + abs(remaining_turn(elements, self.course)))
 
     def _advance(self, answer: QpAnswer) -> bool:
         """Take the QP's step if the merit function falls.

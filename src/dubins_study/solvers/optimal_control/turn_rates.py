@@ -83,11 +83,11 @@ class TurnRates(NlpTranscription):
                 np.append(upper, np.full(legs, np.inf)),
                 magnitude=course.magnitude,
             )
-            whole = guess.elements.length.reshape(legs, n).sum(axis=1)  # the legs' lengths
-            begin = np.append(np.clip(guess.elements.rate, lower, upper), whole)
+            leg_lengths = guess.elements.length.reshape(legs, n).sum(axis=1)
+            begin = np.append(np.clip(guess.elements.rate, lower, upper), leg_lengths)
             result = engine(program, begin, until - perf_counter())
-            rate, whole = np.split(result.x, [-legs])
-            length = (shares * np.maximum(whole, 0.0)[:, None]).ravel()
+            rate, leg_lengths = np.split(result.x, [-legs])
+            length = (shares * np.maximum(leg_lengths, 0.0)[:, None]).ravel()
             elements = Elements(np.clip(rate, rates.lower, rates.upper) * length, length)
             return transcribed(elements, result)
 
@@ -106,7 +106,7 @@ def expressions(n: int, legs: int, final: bool) -> Expressions:
     import casadi as ca
 
     rate = ca.SX.sym("rate", n * legs)
-    whole = ca.SX.sym("whole", legs)
+    leg_lengths = ca.SX.sym("whole", legs)
     points = ca.SX.sym("points", 2 * legs)
     share = ca.SX.sym("share", n * legs)
     final_heading = ca.SX.sym("given", int(final))
@@ -116,7 +116,7 @@ def expressions(n: int, legs: int, final: bool) -> Expressions:
     heading = ca.SX(0)
     for k in range(n * legs):
         leg = k // n
-        length = share[k] * whole[leg]
+        length = share[k] * leg_lengths[leg]
         along, across = chord(heading, rate[k] * length, length)
         x = x + along
         y = y + across
@@ -126,4 +126,6 @@ def expressions(n: int, legs: int, final: bool) -> Expressions:
     if final:
         gaps.insert(0, heading_gap(heading, final_heading))
     data = ca.vertcat(points, final_heading, share)
-    return Expressions(ca.vertcat(rate, whole), p=data, f=ca.sum1(whole), g=ca.vertcat(*gaps))
+    return Expressions(
+        ca.vertcat(rate, leg_lengths), p=data, f=ca.sum1(leg_lengths), g=ca.vertcat(*gaps)
+    )

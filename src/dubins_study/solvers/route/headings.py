@@ -27,7 +27,7 @@ from dubins_study.solvers.nlp_engines.program import (
     Program,
 )
 from dubins_study.solvers.protocol import Guarantee, Method, Question, Solution
-from dubins_study.solvers.runs import EngineResult, Run, at_start, nothing_found, spent, timed
+from dubins_study.solvers.runs import EngineResult, Run, at_start, no_solution, spent, timed
 from dubins_study.solvers.setting_checks import iterations, one_of, option_set, tolerance, whole
 from dubins_study.solvers.stochastic.penalty_function import CountedFunction, Task
 from dubins_study.study.angle import TWO_PI
@@ -120,7 +120,7 @@ class Headings(SearchSolver):
         runs = list(self._runs(route, question.repeat, perf_counter() + limit, trace))
         runs_with_length = [run for run in runs if np.isfinite(run.length)]
         if not runs_with_length:
-            return nothing_found(runs)
+            return no_solution(runs)
         best = min(runs_with_length, key=lambda run: run.length)
         claim = Claim.FEASIBLE
         if best.claim is Claim.LOCAL:

@@ -40,7 +40,7 @@ from dubins_study.solvers.runs import (
     Run,
     at_start,
     best_run_and_claim,
-    nothing_found,
+    no_solution,
     run_attempts,
     spent,
     timed,
@@ -191,7 +191,7 @@ def _answer(model: PosedRoute, runs: list[Run[FloatArray]]) -> Solution:
     It is the shortest point that the engine calls a solution, or else the one that misses least.
     """
     if not runs:
-        return nothing_found(runs)
+        return no_solution(runs)
     scenario = model.question.scenario
     equations = model.program.functions.equations
     best, claim = best_run_and_claim(runs, lambda run: float(np.abs(equations(run.point)).sum()))
@@ -304,10 +304,14 @@ def word_places(route: Route, headings: FloatArray) -> Places:
     places: list[tuple[int, ...]] = [_PLACES[word] for word in words]
     if route.last is None:
         pieces = places[-1]
-        pairs = {drop: pieces[:drop] + pieces[drop + 1 :] for drop in range(3)}
-        # the two pieces that are left must be a turn, and then another letter
-        candidates = [drop for drop, (i, j) in pairs.items() if _ARCS[i] and _TURNS[i] != _TURNS[j]]
-        places[-1] = pairs[min(candidates, key=lambda drop: float(segments[drop, -1]))]
+        candidates = {}
+        for drop in range(3):
+            pair = pieces[:drop] + pieces[drop + 1 :]
+            first, last = pair
+            is_word = _ARCS[first] and _TURNS[first] != _TURNS[last]
+            if is_word:  # a turn, and then another letter
+                candidates[drop] = pair
+        places[-1] = candidates[min(candidates, key=lambda drop: float(segments[drop, -1]))]
     return tuple(places)
 
 
@@ -391,11 +395,11 @@ def _arcs(point: FloatArray, places: Places) -> FloatArray:
 def _driven(arcs: FloatArray) -> FloatArray:
     """Arcs that a path can have, shape (n, 5).
 
-    An engine may leave some arcs below zero. Such a turn becomes a turn of its neighbour, which is
-    the other way. If it became 0, all later legs would have other headings.
+    An engine may leave some arcs below zero. A turn of -a one way is a turn of +a the other way,
+    so it is added to the neighbouring arc. Setting it to zero would rotate all later legs.
     """
     turns = [0, 1, 3, 4]
-    others = [1, 0, 4, 3]
+    others = [1, 0, 4, 3]  # the neighbour of each: 0 <-> 1, 3 <-> 4
     driven = np.maximum(arcs, 0.0)
     driven[:, others] -= np.minimum(arcs[:, turns], 0.0)
     return driven

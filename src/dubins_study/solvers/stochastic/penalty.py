@@ -28,7 +28,7 @@ from dubins_study.solvers.one_leg.model import (
 )
 from dubins_study.solvers.one_leg.polish import polish
 from dubins_study.solvers.protocol import Guarantee, Method, Question, Solution
-from dubins_study.solvers.runs import Run, at_start, nothing_found, spent
+from dubins_study.solvers.runs import Run, at_start, no_solution, spent
 from dubins_study.solvers.setting_checks import one_of, option_set, whole, within
 from dubins_study.solvers.stochastic.penalty_function import (
     CountedFunction,
@@ -186,7 +186,7 @@ def _answer(scenario: Scenario, runs: list[Run[FloatArray]]) -> Solution:
     """
     runs_with_point = [run for run in runs if np.isfinite(run.point).all()]
     if not runs_with_point:
-        return nothing_found(runs)
+        return no_solution(runs)
     allowed = max(ARRIVES, coordinate_rounding(scenario))
     arriving = [run for run in runs_with_point if run.miss <= allowed]
     claim = Claim.FAILED

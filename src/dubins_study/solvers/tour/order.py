@@ -99,12 +99,19 @@ def _alternating(places: Places, order: list[int]) -> FloatArray:
     steps = places.steps(order)
     bearings = np.arctan2(steps[:, 1], steps[:, 0])
     first = int(places.given[0] is not None)
+
+    def straight_leg(k: int) -> int:
+        """The straight leg that begins or ends at point k."""
+        leg = k
+        if (k - first) % 2 == 1:
+            leg = k - 1
+        return min(max(leg, 0), len(bearings) - 1)
+
     headings = np.zeros(len(order))
     for k, place in enumerate(order):
         heading = places.given[place]
         if heading is None:
-            leg = k - (k - first) % 2
-            heading = bearings[min(max(leg, 0), len(bearings) - 1)]
+            heading = bearings[straight_leg(k)]
         headings[k] = heading
     if places.closed:
         return np.append(headings, headings[0])

@@ -118,6 +118,10 @@ def _word(u: list[float], length: list[float], free: bool) -> Word | None:
 
     The word is S, C, CS or CC at full rate, or CSC or CCC if the heading is given. None if the
     pieces are another path.
+
+    A word always has three pieces; one that it lacks has no length. S is (none, S, none), LS is
+    (L, S, none). LR is (L, R, none) to a free heading and (L, none, R) to a given one, where the
+    piece in the middle stands for a straight.
     """
     rates = [nearest_rate(k) for k in u]
     total = sum(length)
@@ -128,7 +132,6 @@ def _word(u: list[float], length: list[float], free: bool) -> Word | None:
     if max(off) > FULL_RATE or distance > allowed:
         return None
     arcs = list(zip(rates, length, strict=True))
-    # S begins with an arc of no length; CC to a given heading has a straight of none in between
     if arcs[0][0] == 0.0:
         arcs.insert(0, _NO_PIECE)
     if len(arcs) == 2 and arcs[1][0] != 0.0 and not free:
@@ -137,7 +140,8 @@ def _word(u: list[float], length: list[float], free: bool) -> Word | None:
     if free:
         is_word = len(arcs) <= 2 and second[0] in (0.0, -first[0])
     else:
-        is_word = len(arcs) <= 3 and (second[0] == 0.0 or first[0] == third[0] == -second[0])
+        three_arcs = first[0] == third[0] == -second[0]
+        is_word = len(arcs) <= 3 and (second[0] == 0.0 or three_arcs)
     if not is_word:
         return None
     return first, second, third

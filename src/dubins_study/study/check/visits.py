@@ -143,12 +143,7 @@ class _Pieces:
             # pieces in which the path comes within the distance, and in which it then is nearest
             chosen = None
             for first in np.flatnonzero(~np.isnan(within)).tolist():
-                last = first
-                # the path still comes nearer at the end of a piece
-                while begin + last + 1 < end and nearest[last] >= self.length[begin + last]:
-                    if distance[last + 1] > distance[last]:
-                        break
-                    last += 1
+                last = self._nearest_piece(first, begin, nearest, distance)
                 if heading is None or self._fits(heading, piece=begin + last, along=nearest[last]):
                     chosen = first, last
                     break
@@ -163,6 +158,21 @@ class _Pieces:
         i = int(np.argmin(distance))
         reached = float(self.ends[begin + i] + nearest[i])
         return reached, reached, float(distance[i])
+
+    def _nearest_piece(
+        self, first: int, begin: int, nearest: FloatArray, distance: FloatArray
+    ) -> int:
+        """Piece in which the path is nearest, from `first` on.
+
+        It goes on as long as the path still comes nearer at the end of a piece. `begin` is the
+        number of the piece that the arrays begin with.
+        """
+        last = first
+        while last + 1 < nearest.size and nearest[last] >= self.length[begin + last]:
+            if distance[last + 1] > distance[last]:
+                break
+            last += 1
+        return last
 
     def _fits(self, given: float, piece: int, along: float) -> bool:
         """Whether a piece has a heading at a place.

@@ -143,7 +143,7 @@ def shortest_local(target: Local, branch: str = "best") -> Shortest | None:
         if math.isnan(segments[0]):
             return None
         return named(branch, segments)
-    on_axis = chosen_side(-abs(Y), delta)
+    on_axis = abs(Y) <= 0.25 * delta  # as in `chosen_side`
     first, second, arcs_only = best_segments(X, abs(Y), delta)
     letters = "LS"
     if arcs_only:

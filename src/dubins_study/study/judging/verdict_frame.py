@@ -209,9 +209,10 @@ def three_arcs(paths: Paths) -> tuple[FloatArray, FloatArray]:
     Returns curvatures and lengths. Paths of two arcs get a third one without length.
     """
     none = np.zeros((3 - len(paths.curvatures), len(paths)))
-    curvature = np.concatenate([paths.curvatures, none])
-    length = np.concatenate([paths.lengths, none])
-    return loop_input(curvature), loop_input(length)
+    return (
+        loop_input(np.concatenate([paths.curvatures, none])),
+        loop_input(np.concatenate([paths.lengths, none])),
+    )
 
 
 def _shortest_free(legs: PoseArrays, branch: str, result: FrameJudgement) -> _Best:

@@ -84,41 +84,50 @@ def _word_of(path: Path, at: Sequence[float], radius: float) -> str:
 def _verdict(scenario: Scenario, arrived: Arrived, tolerances: Tolerances) -> Found:
     """Verdict on a path that arrives with any heading.
 
-    The path is compared with the scenario's shortest length. Only a miss makes a shorter path
-    possible. A shorter path is compared with the shortest path to its own end, so that missing
-    brings no advantage. If the branch has no path to either, a point within the miss may have one.
+    It is compared with `_shortest_length`, or with what `_known_to_delta` makes of that length.
     """
-    path, branch, seen, word = arrived
-    length = path.length
-    radius = scenario.radius
-    end = seen.end
-    optimum, known = _optimum(scenario, branch)
-    reference = known.get("reference")
-    if reference is None or length < reference * (1.0 - ROUNDED):
-        to_own_end = shortest(visited(scenario, seen.visits, end), branch)
-        if to_own_end is not None:
-            # the end may be rounded to the other side of a circle, where all paths are longer
-            reference = min(to_own_end.total * radius, length)
-    if reference is None:
-        target = local(scenario)
-        assert scenario.target is not None
-        # a target counts as on a circle within delta / 2: hence twice the miss
-        off = 2.0 * math.dist(end[:2], scenario.target)
-        within_miss = target._replace(delta=target.delta + off / radius)
-        nearby = shortest_local(within_miss, branch)
-        if nearby is None:
-            return Found(Verdict.MISSES, {})
-        reference = nearby.total * radius
+    path, branch, _, word = arrived
+    shortest_length = _shortest_length(scenario, arrived)
+    if shortest_length is None:
+        return Found(Verdict.MISSES, {})
     reference = _known_to_delta(
-        scenario, branch, length=length, reference=reference, gap=tolerances.gap
+        scenario, branch, length=path.length, reference=shortest_length, gap=tolerances.gap
     )
-    gap = (length - reference) / max(reference, radius)
+    gap = (path.length - reference) / max(reference, scenario.radius)
     columns = {"reference": reference, "gap": gap}
     if not gap > tolerances.gap:
         return Found(Verdict.OPTIMAL, columns)
-    words, turns = _basins(optimum)
+    words, turns = _basins(_optimum(scenario, branch)[0])
     basin = is_wrong_basin(path, word, gap, words, turns)
     return Found(Verdict.LONGER, columns | {"wrong_basin": basin})
+
+
+def _shortest_length(scenario: Scenario, arrived: Arrived) -> float | None:
+    """Shortest length that a path is compared with.
+
+    It is the scenario's. Only a miss makes a shorter path possible. A shorter path is compared with
+    the shortest path to its own end, so that missing brings no advantage. If the branch has no path
+    to either, a point within the miss may have one; the result is None if it has none.
+    """
+    path, branch, seen, _ = arrived
+    known: float | None = _known(scenario, branch).get("reference")
+    if known is not None and not path.length < known * (1.0 - ROUNDED):
+        return known
+    to_own_end = shortest(visited(scenario, seen.visits, seen.end), branch)
+    if to_own_end is not None:
+        # the end may be rounded to the other side of a circle, where all paths are longer
+        return min(to_own_end.total * scenario.radius, path.length)
+    if known is not None:
+        return known
+    target = local(scenario)
+    assert scenario.target is not None
+    # a target counts as on a circle within delta / 2: hence twice the miss
+    off = 2.0 * math.dist(seen.end[:2], scenario.target)
+    within_miss = target._replace(delta=target.delta + off / scenario.radius)
+    nearby = shortest_local(within_miss, branch)
+    if nearby is None:
+        return None
+    return nearby.total * scenario.radius
 
 
 def _known_to_delta(

@@ -178,6 +178,21 @@ def _through(cost: FloatArray, rows: FloatArray) -> tuple[FloatArray, IntArray]:
     return np.array(least), np.array(mates)
 
 
+def _program(begin: FloatArray, costs: list[FloatArray]) -> tuple[list[FloatArray], list[IntArray]]:
+    """Dynamic program over legs, from the costs at its beginning.
+
+    Returns two lists: for each point the least costs up to each of its intervals, and for each leg
+    the intervals from which they come.
+    """
+    least = [begin]
+    mates = []
+    for cost in costs:
+        sums, columns = _through(cost, least[-1])
+        least.append(sums)
+        mates.append(columns)
+    return least, mates
+
+
 def _of_rows(mates: IntArray, row: IntArray) -> IntArray:
     """Numbers of the columns, each from its row."""
     return mates[row, np.arange(row.size)]
@@ -196,30 +211,22 @@ class _Chains:
     def __init__(self, costs: list[FloatArray], words: list[WordArray], cyclic: bool) -> None:
         self.costs = costs
         self.words = words
-        self.ahead = [np.zeros((1, costs[0].shape[0]))]
-        self.behind = [np.zeros((1, costs[-1].shape[1]))]
+        begin = np.zeros((1, costs[0].shape[0]))
+        end = np.zeros((1, costs[-1].shape[1]))
         if cyclic:
             # a loop's program r begins and ends in interval r
-            alone = np.where(np.eye(costs[0].shape[0]), 0.0, math.inf)
-            self.ahead = [alone]
-            self.behind = [alone]
-        self._before: list[IntArray] = []
-        after: list[IntArray] = []
-        for cost in costs:
-            least, mates = _through(cost.T, self.ahead[-1])
-            self.ahead.append(least)
-            self._before.append(mates)
-        for cost in reversed(costs):
-            least, mates = _through(cost, self.behind[0])
-            self.behind.insert(0, least)
-            after.insert(0, mates)
+            begin = np.where(np.eye(costs[0].shape[0]), 0.0, math.inf)
+            end = begin
+        self.ahead, self._before = _program(begin, [cost.T for cost in costs])
+        behind, after = _program(end, costs[::-1])
+        self.behind = behind[::-1]
         both = [a + b for a, b in zip(self.ahead, self.behind, strict=True)]
         self.through: list[FloatArray] = [each.min(axis=0) for each in both]
         # the program that has the cheapest chain
         rows = [each.argmin(axis=0) for each in both]
         # for each leg: the best interval at its start for each one at its end, and the reverse
         self.before = [_of_rows(*each) for each in zip(self._before, rows[1:], strict=True)]
-        self.after = [_of_rows(*each) for each in zip(after, rows[:-1], strict=True)]
+        self.after = [_of_rows(*each) for each in zip(after[::-1], rows[:-1], strict=True)]
         self._row = rows[-1]
 
     @property

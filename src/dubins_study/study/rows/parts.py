@@ -244,9 +244,10 @@ def _printable(column: Any) -> Any:
 
     A column without any is returned as it is.
     """
-    is_text = pa.types.is_string(column.type)
-    # `all` is None where a column holds no text
-    if not is_text or pc.all(pc.utf8_is_printable(column)).as_py() is not False:
+    if not pa.types.is_string(column.type):
+        return column
+    all_printable = pc.all(pc.utf8_is_printable(column)).as_py()
+    if all_printable or all_printable is None:  # None where the column holds no text
         return column
     texts = [text and printable_text(text) for text in column.to_pylist()]
     return pa.chunked_array([texts], column.type)

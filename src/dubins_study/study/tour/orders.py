@@ -35,9 +35,11 @@ class ToGo(NamedTuple):
     prices: FloatArray  # shape (points,)
 
 
-def orders_within(
-    legs: Legs, to_go: ToGo, cutoff: float, effort: Effort
-) -> dict[tuple[int, ...], float] | None:
+# for each order, a lower bound of its tours
+OrderBounds = dict[tuple[int, ...], float]
+
+
+def orders_within(legs: Legs, to_go: ToGo, cutoff: float, effort: Effort) -> OrderBounds | None:
     """Lower bounds of all orders within the cutoff.
 
     Returns a bound for each order. None if there are too many orders, or states.
@@ -45,7 +47,7 @@ def orders_within(
     levels = _states(legs, to_go, cutoff, effort)
     if levels is None:
         return None
-    orders: dict[tuple[int, ...], float] = {}
+    orders: OrderBounds = {}
     begin = legs.begin
     n = begin.size - 1
     # backwards from the end, with all points in the set

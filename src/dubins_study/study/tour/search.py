@@ -39,7 +39,7 @@ from dubins_study.study.tour.chains import (
     first_chains,
     memories_after,
 )
-from dubins_study.study.tour.orders import MOST_IN_SET, ToGo, orders_within
+from dubins_study.study.tour.orders import MOST_IN_SET, OrderBounds, ToGo, orders_within
 from dubins_study.study.tour.short_orders import CHAIN_BOXES, Legs, short_orders
 from dubins_study.study.tour.stops import Stops
 
@@ -501,7 +501,7 @@ class _TourSearch:
 
     # Orders
 
-    def _orders_left(self, behind: FloatArray) -> dict[tuple[int, ...], float] | None:
+    def _orders_left(self, behind: FloatArray) -> OrderBounds | None:
         """Bounds of all orders that may be shortest.
 
         They can be as short as the best tour. None if there are too many to list.
@@ -521,14 +521,14 @@ class _TourSearch:
 
         Each is first searched for a while, so that none takes all the time.
         """
-        orders: dict[tuple[int, ...], float] = {}
+        orders: OrderBounds = {}
         for order in (self.order, *permutations(range(self.n))):
             backwards = self.stops.closed and order[::-1] in orders
             if order not in orders and not backwards:
                 orders[order] = self._search_order(order, quick=True).low
         self._search_orders(orders)
 
-    def _search_orders(self, orders: dict[tuple[int, ...], float]) -> None:
+    def _search_orders(self, orders: OrderBounds) -> None:
         """Search orders one by one.
 
         The best tour's order comes first, the others follow by their bounds.
