@@ -93,6 +93,7 @@ Verbose = Annotated[bool, typer.Option("--verbose", "-v", help="every step on st
 
 
 def _verbosity(quiet: Quiet = False, verbose: Verbose = False) -> None:
+    # -1, 0 or 1: together the two options cancel out
     set_verbosity(Verbosity(verbose - quiet))
 
 
@@ -245,7 +246,8 @@ def main() -> None:
 def _refuse(message: str) -> None:
     """End with exit code 2 and a message.
 
-    A line break is kept where the message starts the item of a list.
+    A line break before two spaces, which begin an item of a list, stays. Any other is written as an
+    escape.
     """
     lines = re.split(r"\n(?=  )", f"{PROGRAM}: {message}")
     print(*map(plain, lines), sep="\n", file=sys.stderr)

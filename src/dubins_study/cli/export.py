@@ -60,8 +60,7 @@ def export(
     try:
         out.write_text(text, encoding="utf-8")
     except OSError as error:
-        message = f"--out: cannot write {out}: {error.strerror}"
-        raise arguments.CommandError(message) from None
+        raise arguments.CommandError(f"--out: cannot write {out}: {error.strerror}") from None
 
 
 def _export_suite(suite: str, formulation: str, out: FilePath) -> None:

@@ -309,11 +309,10 @@ def united(*findings: Iterable[Finding]) -> list[Finding]:
             reason = finding.advice or finding.kind
         last_frame = finding.traceback.splitlines()[-2:-1]
         groups.setdefault((finding.kind, finding.status, reason, *last_frame), []).append(finding)
-    counted = []
-    for group in groups.values():
-        count = sum(finding.count for finding in group)
-        counted.append(replace(group[0], count=count))
-    return counted
+    return [
+        replace(group[0], count=sum(finding.count for finding in group))
+        for group in groups.values()
+    ]
 
 
 # A path fits a guess if it ends within 0.001 radii of the target, and is at most 0.1 % too tight.

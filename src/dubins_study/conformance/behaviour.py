@@ -64,7 +64,8 @@ def loading(interview: Interview) -> Checked:
 def _question(interview: Interview, place: int) -> Question:
     """A simple question that the solver takes.
 
-    `place` is the question's index among those of one kind; it may be negative or too large.
+    `place` is the question's index among those of one kind. It may be negative or too large: beyond
+    the last question the count begins again.
     """
     for kind in EVERY_KIND:
         scenarios = [*interview.taken(questions.OF_KIND[kind.name]).values()]
@@ -74,7 +75,7 @@ def _question(interview: Interview, place: int) -> Question:
     raise NotApplicableError("the solver takes none of the kit's questions")
 
 
-# place of a question in general position, of every table
+# index of a question in general position, in the table of every kind
 _ALL_AT_ONCE = -2
 # Seconds of a limit that is to cut a solver off.
 _SHORT_LIMIT_S = 0.05
@@ -206,34 +207,52 @@ _ADVICE = {
 
 
 def state(interview: Interview) -> Checked:
-    """Check for traces that the questions have left.
+    """Find the traces that the questions have left.
 
-    All questions so far count; the general ones are asked now if no other check has asked them.
-    Traces are changed state of the process, files in its folder, and printed text. Text does not
-    count if modules were imported: libraries may print at loading.
+    Traces are changed state of the process, files in its folder, and printed text. All questions so
+    far count.
     """
+    # so that the general ones are among them, whichever checks are made
     for number in range(len(questions.GENERAL)):
         interview.ask(_question(interview, number))
-    answers = interview.seen
-    findings = []
-    changes = Counter(chain.from_iterable(seen.observed.changes for seen in answers))
+    findings = [*_changes(interview), *_files_left(interview), *_printed(interview)]
+    return findings, f"{len(interview.seen)} questions"
+
+
+def _changes(interview: Interview) -> Iterable[Finding]:
+    """Yield a finding for each state that has changed."""
+    changes = Counter(chain.from_iterable(seen.observed.changes for seen in interview.seen))
     for change, count in changes.items():
         advice = (
             f"{_ADVICE.get(change, 'restore it before you return')}; a run then replaces the "
             "worker after every question, which takes longer than most solves"
         )
         observed = f"after a solve this is not as it was before: {change}"
-        findings.append(Finding(Status.FAIL, observed, advice=advice, count=count))
+        yield Finding(Status.FAIL, observed, advice=advice, count=count)
+
+
+def _files_left(interview: Interview) -> Iterable[Finding]:
+    """Yield a finding if solves have left files."""
     # after any other outcome a solver could not have removed its files
-    ended = [seen for seen in answers if seen.answer.outcome in (Outcome.RETURNED, Outcome.RAISED)]
-    files = sorted(set(chain.from_iterable(seen.files for seen in ended)))
+    ended = (Outcome.RETURNED, Outcome.RAISED)
+    files_left = [seen.files for seen in interview.seen if seen.answer.outcome in ended]
+    files = sorted(set(chain.from_iterable(files_left)))
     if files:
         observed = f"it leaves files in the working directory: {', '.join(files[:3])}"
         advice = "write into a tempfile.TemporaryDirectory()"
-        findings.append(Finding(Status.FAIL, observed, advice=advice, count=len(files)))
+        yield Finding(Status.FAIL, observed, advice=advice, count=len(files))
+
+
+def _printed(interview: Interview) -> Iterable[Finding]:
+    """Yield a finding if solves have printed text.
+
+    It is a failure only of a solver that promises `keeps_limit`: to print nothing is a part of that
+    promise.
+    """
+    # what is printed while modules are imported does not count: a library may do so at loading
     outputs = [
         seen.observed.output
-        for seen in answers
+        for seen in interview.seen
         if seen.observed.output and not seen.observed.loaded
     ]
     if outputs:
@@ -242,5 +261,4 @@ def state(interview: Interview) -> Checked:
         if interview.declared["keeps_limit"]:
             status = Status.FAIL
         observed = f"it prints: {outputs[0][-120:]}"
-        findings.append(Finding(status, observed, advice=advice, count=len(outputs)))
-    return findings, f"{len(answers)} questions"
+        yield Finding(status, observed, advice=advice, count=len(outputs))

@@ -258,7 +258,8 @@ def _results(interview: Interview, names: list[str]) -> Iterator[CheckResult]:
             summary = str(reason)
             applied = Status.NOT_APPLICABLE
         except (UnfinishedError, LoadError) as reason:
-            stopped = summary = str(reason)
+            summary = str(reason)
+            stopped = summary
             applied = Status.NOT_ASKED
         # a limit shorter than the caller's is looked at by the check that sets it
         new = [

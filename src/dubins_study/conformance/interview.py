@@ -81,8 +81,7 @@ class Worker:
         """
         process = self._load()
         task = ["ask", encode_question(question), limit]
-        allowance = Allowance(limit, margin_s=GRACE_S + self._extra_s)
-        event = process.request(task, allowance)
+        event = process.request(task, Allowance(limit, margin_s=GRACE_S + self._extra_s))
         self._extra_s = 0.0  # only the first question of a process has more time
         output = process.last_output()
         if isinstance(event, Ended):

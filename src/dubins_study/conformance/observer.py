@@ -235,7 +235,6 @@ def serve(channel: Channel, spec: str, profile: str, folder: str) -> None:
             seen = Observation(raised_answer(error), own_frames(error))
         with suppress(Exception):
             ctypes.CDLL(None).fflush(None)  # what C printed belongs to this question
-        # behind the reply: traceback, changes, loaded
-        return [encode_reply(seen.reply), *seen[1:4]], False
+        return [encode_reply(seen.reply), seen.traceback, seen.changes, seen.loaded], False
 
     answer_tasks(channel, handle)

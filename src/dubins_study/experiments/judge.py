@@ -49,7 +49,7 @@ from dubins_study.study.words import Claim, Outcome
 if TYPE_CHECKING:
     import pandas as pd
 
-_REQUIRED = ("id", "curvatures", "lengths")
+_REQUIRED = ("id", "curvatures", "lengths")  # the first columns of `COLUMNS`
 _MACHINE = "not known: the program told its seconds"  # so that no time is ranked
 _Finite = Annotated[float, Field(allow_inf_nan=False)]
 _Numbers = Annotated[
@@ -209,8 +209,8 @@ def read_answers(file: FilePath, by_id: dict[str, Asked]) -> dict[tuple[str, str
     # such as the other columns of instances.csv
     others = [name for name in table.names if name not in COLUMNS and not nearest(name, missing)]
     names = [name for name in table.names if name not in others]
-    # the columns of `COLUMNS` behind the required ones may be left out
-    problems = table.problems + column_problems(names, _REQUIRED, COLUMNS[3:])
+    # the other columns may be left out
+    problems = table.problems + column_problems(names, _REQUIRED, COLUMNS[len(_REQUIRED) :])
     answers: dict[tuple[str, str], Reply] = {}
     places: dict[tuple[str, str], str] = {}
     rows = table.rows

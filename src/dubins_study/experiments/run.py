@@ -156,10 +156,11 @@ def _solve(
             _LOG.warning("dubins-study: %s: %s", folder, sentence)
     writer = PartWriter(folder, settings.run_id, len(keys), progress)
     writer.skip(keys & done_keys)
-    # Without cells to solve, the manifest changes only if this run finishes the folder: not if it
+    # A run that solves no cell is recorded only if it finishes the folder. It cannot if the folder
     # is finished already, nor if cells of another solver are left.
-    recorded_as_finished = manifest.finished is not None or not completes
-    if recorded_as_finished and not cells_left:
+    finishes = completes and manifest.finished is None
+    nothing_to_record = not cells_left and not finishes
+    if nothing_to_record:
         return
     entry = RunEntry(
         command=request.command(),

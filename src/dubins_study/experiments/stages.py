@@ -45,13 +45,12 @@ def not_asked(folder: FilePath, unit: WorkUnit) -> tuple[WorkUnit, list[Row]]:
     not asked if its solver has solved no question of the next smaller size and the same label.
     """
     rows = read_rows(folder, [*COLUMNS, "verdict", "outcome"]).to_pylist()
-    # (solver, label) -> size -> whether a question is solved; an outcome of `_UNTOLD` counts too
+    # (solver, label) -> size -> whether a question counts as solved
     solved: dict[tuple[str, str], dict[int, bool]] = {}
     for row in rows:
         sizes = solved.setdefault((row["solver"], row["label"]), {})
         legs = scenario_of(row).legs
-        is_solved = row["verdict"] in (Verdict.OPTIMAL, Verdict.UNDECIDED)
-        sizes[legs] = is_solved or row["outcome"] in _UNTOLD or sizes.get(legs, False)
+        sizes[legs] = sizes.get(legs, False) or _counts_as_solved(row)
     chains = []
     skipped = []
     for chain in unit.chains:
@@ -66,3 +65,12 @@ def not_asked(folder: FilePath, unit: WorkUnit) -> tuple[WorkUnit, list[Row]]:
         )
         skipped += [row_of(cell, cell.question(), unit.settings, reply) for cell in chain]
     return unit._replace(chains=chains), skipped
+
+
+def _counts_as_solved(row: Row) -> bool:
+    """Whether a row lets its solver be asked larger questions.
+
+    It does if the path may be the shortest, or if the solver could not be asked.
+    """
+    may_be_shortest = row["verdict"] in (Verdict.OPTIMAL, Verdict.UNDECIDED)
+    return may_be_shortest or row["outcome"] in _UNTOLD

@@ -52,6 +52,7 @@ def read_plan(content: Any, source: str = "QGroundControl plan") -> Reading:
     passed: Counter[str] = Counter()
     mission = content["mission"]
     position = mission.get("plannedHomePosition") or (0, 0)
+    # read like a waypoint (16) with an altitude above home (3): what is passed over is not counted
     home = _places({"command": 16, "frame": 3, "coordinate": position}, Counter(), [])
     points = each("item", mission["items"], lambda item: _places(item, passed, home))
     for shape in ("polygons", "circles"):

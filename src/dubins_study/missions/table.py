@@ -90,8 +90,10 @@ def read_table(
         raise MissionError(f"{place} has {len(first)} cells; expected {len(names)}, as named")
     if problems:
         raise MissionError(problems[0])
+    # a first row that holds the names is no point
+    first_data_row = int(has_header or names is first)
     points = []
-    for place, cells in rows[has_header or names is first :]:
+    for place, cells in rows[first_data_row:]:
         row = dict(zip_longest(fields, map(str.strip, cells), fillvalue=""))
         with at(place):
             point = point_of({**row, "x": row[x], "y": row[y]}, compass)
@@ -102,7 +104,9 @@ def read_table(
     pairs = zip(names, fields, strict=True)
     passed = [name.strip() for name, field in pairs if field not in expected_fields]
     passed_text = ", ".join(name or "one without a name" for name in passed)
-    note = passed_text and f"columns that are passed over: {passed_text}"
+    note = ""
+    if passed_text:
+        note = f"columns that are passed over: {passed_text}"
     return Reading("table", points, note, degrees=in_degrees)
 
 

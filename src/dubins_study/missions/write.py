@@ -57,8 +57,7 @@ def _geojson(flight: Flight, waypoints: Sequence[Waypoint]) -> str:
             properties["visit"] = visit
         geometry = {"type": "Point", "coordinates": coordinates}
         features.append({"type": "Feature", "geometry": geometry, "properties": properties})
-    collection = {"type": "FeatureCollection", "features": features}
-    return json.dumps(collection, allow_nan=False) + "\n"
+    return json.dumps({"type": "FeatureCollection", "features": features}, allow_nan=False) + "\n"
 
 
 def _csv(flight: Flight, waypoints: Sequence[Waypoint]) -> str:
@@ -290,4 +289,6 @@ def write_flight(
     file.write_bytes(content)  # nothing is written if the text cannot be made
     if chosen.text is _geojson and flight.mission.plane is None:
         return "its coordinates are x and y of the points, no longitude and latitude"
-    return chosen.lacks and f"{chosen.lacks}, {size:g} apart"
+    if not chosen.lacks:
+        return ""
+    return f"{chosen.lacks}, {size:g} apart"

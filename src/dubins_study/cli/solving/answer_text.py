@@ -49,8 +49,11 @@ def answer_json(
     fields["start_heading"] = None
     if answer.path is not None:
         fields["start_heading"] = math.remainder(answer.path.start.heading, math.tau)
-    fields["given_order_length"] = in_given_order and in_given_order.length
-    fields["given_order_proof"] = in_given_order and in_given_order.proof
+    fields["given_order_length"] = None
+    fields["given_order_proof"] = None
+    if in_given_order is not None:
+        fields["given_order_length"] = in_given_order.length
+        fields["given_order_proof"] = in_given_order.proof
     pieces = zip(answer.curvatures or (), answer.lengths or (), strict=True)
     fields["segments"] = [
         {"turn": _letter(k), "length": length, "curvature": k} for k, length in pieces

@@ -105,8 +105,7 @@ class Files(NamedTuple):
         try:
             return write_flight(flight, file, step=self.step, altitude=self.altitude)
         except OSError as error:
-            message = f"{option}: cannot write {file}: {error.strerror}"
-            raise CommandError(message) from None
+            raise CommandError(f"{option}: cannot write {file}: {error.strerror}") from None
 
 
 def _unwritten(option: str, flight: Flight | None) -> str:

@@ -163,8 +163,7 @@ class _Submission:
                 chains.append(self._waiting.popleft())
                 cells -= len(chains[-1])
             unit = WorkUnit(self._settings, chains)
-            message = pickle.dumps(unit)
-            future = self._client.submit(function, message, pure=False, retries=_RETRIES)
+            future = self._client.submit(function, pickle.dumps(unit), pure=False, retries=_RETRIES)
             self._units[future] = unit
 
     def _reply(self, future: Any) -> UnitReply | None:

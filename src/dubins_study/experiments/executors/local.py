@@ -130,8 +130,7 @@ def check_code(cell: Cell, reply: Reply, executor: str) -> None:
 
 def row_of(cell: Cell, question: Question, settings: RunSettings, reply: Reply) -> Row:
     """The row for a worker's reply to a cell."""
-    answer = judged(cell.solver, question, reply, tolerances(cell.profile), cell.method)
-    row = answer.row()
+    row = judged(cell.solver, question, reply, tolerances(cell.profile), cell.method).row()
     row |= zip(_KEY, cell.key, strict=True)
     row |= {
         "versions": reply.versions,

@@ -109,7 +109,10 @@ def _nlp(engine: str) -> Callable[[], Any] | None:
 
 
 def _proven(engine: str) -> Callable[[], Any]:
-    """A function that minimises x over [1, 2]."""
+    """A function that minimises x on [0, 2].
+
+    The row x >= 1 bounds it.
+    """
     from dubins_study.solvers.minlp_engines.mixed_program import (
         MixedProgram,
         Row,

@@ -32,6 +32,7 @@ from dubins_study.solvers.registry import load, ours
 
 # Kinds of tasks (see `worker`), the first item of their messages.
 _WARM_UP = "warm up"
+_WARM_UP_ROUTE = 3  # place in its message: whether the question is a route
 _SOLVE = "solve"
 # Seconds beyond the time limit: a solver that respects the limit needs a moment to send its answer.
 # With the poll interval and the kill itself, a solve ends within 0.3 s of its limit.
@@ -358,7 +359,7 @@ class WorkerPool:
         self._false_starts = 0
         key = task.tag.solver_key
         if task.message[0] == _WARM_UP:  # load the solver again, without this warm-up
-            self._without_warm_up.add((key, task.message[3]))  # on a leg, or on a route
+            self._without_warm_up.add((key, task.message[_WARM_UP_ROUTE]))
             return []
         if task.allowance is _LOADING:
             solution = reply.solution
@@ -373,5 +374,4 @@ class WorkerPool:
         """End a worker; put back its unanswered jobs."""
         self._workers.remove(worker)
         worker.close()
-        tasks = worker.pending
-        self.put_first(task.tag for task in tasks if _solves(task))
+        self.put_first(task.tag for task in worker.pending if _solves(task))

@@ -142,8 +142,7 @@ class _Worker:
 
 def _failure(error: BaseException, spec: str, profile: str) -> Reply:
     """The reply of a solver that raised outside `ask`."""
-    reply = raised_answer(error)
-    return reply._replace(started=now(), code_digest=_digest(spec, profile))
+    return raised_answer(error)._replace(started=now(), code_digest=_digest(spec, profile))
 
 
 def _digest(spec: str, profile: str) -> str:

@@ -87,6 +87,9 @@ def block_plans(
 ) -> list[BlockPlan]:
     """The plans of all blocks.
 
+    The blocks of the file come first, then those that its table `first` adds. These have no number
+    in the file, so messages about them name `first`.
+
     Refused are too many cells, and solvers without a guess in a block with `guess_lengths`. `file`
     and `text` are the experiment's path and TOML text, for messages.
     """
@@ -110,13 +113,18 @@ def block_plans(
         )
         cold = [solver.spec for solver in plan.solvers if not solver.warm]
         if block.guess_lengths is not None and cold and "*" not in patterns:
-            sentence = f"{plan.key}: {cold[0]} takes no initial guess"
-            problems.append(Problem(path, f"{sentence}; expected only solvers that do, or *"))
+            sentence = (
+                f"{plan.key}: {cold[0]} takes no initial guess; expected only solvers that do, or *"
+            )
+            problems.append(Problem(path, sentence))
         plans.append(plan)
     total = sum(plan.cells for plan in plans)
     if total > MOST_CELLS:  # refused before cells are listed: memory may not hold them
-        sentence = f"{total} cells (a cell for every scenario, solver, branch, initial guess and"
-        problems.append(Problem((), f"{sentence} repeat); expected at most {MOST_CELLS}"))
+        sentence = (
+            f"{total} cells (a cell for every scenario, solver, branch, initial guess and repeat); "
+            f"expected at most {MOST_CELLS}"
+        )
+        problems.append(Problem((), sentence))
     if problems:
         raise ExperimentError(refusal(file, problems, text))
     return plans
@@ -273,5 +281,4 @@ def shuffled(chain_list: list[Chain], seed: int) -> list[Chain]:
 
     If the machine is slow for a while, all solvers share that.
     """
-    order = np.random.default_rng(seed).permutation(len(chain_list))
-    return [chain_list[i] for i in order]
+    return [chain_list[i] for i in np.random.default_rng(seed).permutation(len(chain_list))]

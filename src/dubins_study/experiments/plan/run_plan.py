@@ -231,8 +231,7 @@ def _comment_on(listed: list[Scenario]) -> str:
     Put before the experiment's text, it makes experiments about other scenarios differ: their rows
     do not go into the same folder.
     """
-    ids = " ".join(map(scenario_id, listed))
-    digest = hashlib.sha256(ids.encode()).hexdigest()[:16]
+    digest = hashlib.sha256(" ".join(map(scenario_id, listed)).encode()).hexdigest()[:16]
     return f"# about {len(listed)} scenarios with the digest {digest}\n"
 
 

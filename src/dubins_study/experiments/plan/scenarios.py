@@ -178,8 +178,8 @@ def _samples(sample: Sample) -> Iterator[Draw]:
         warnings.simplefilter("ignore", UserWarning)
         unit = points.random(sample.count)
     for shares in unit.tolist():
-        ranges = zip(sample.ranges.items(), shares, strict=True)
-        yield Draw({name: over.value_at(share) for (name, over), share in ranges})
+        ranges = zip(sample.ranges, sample.ranges.values(), shares, strict=True)
+        yield Draw({name: over.value_at(share) for name, over, share in ranges})
 
 
 def _routes(route: Route) -> Iterator[Draw]:

@@ -32,9 +32,9 @@ _MAX_LISTED = 5
 def merged_rows(
     tables: Sequence[pa.Table], folders: Sequence[FilePath], tolerance: float
 ) -> tuple[pa.Table, int]:
-    """The earliest row per cell, and a number.
+    """The earliest row per cell, and how many repeats agree.
 
-    The number counts the other attempts, which agree with the earliest; copies do not count.
+    A repeat is a later attempt at the same cell. Copies of the kept row do not count.
 
     Cells whose attempts contradict each other (gaps differ by more than the tolerance) are refused.
     """
@@ -42,7 +42,7 @@ def merged_rows(
     rows = table.select(COLUMNS).to_pandas()
     sizes = [len(each) for each in tables]
     rows["folder"] = np.repeat([str(folder) for folder in folders], sizes)
-    rows = rows.sort_values("started", kind="stable")
+    rows = rows.sort_values("started", kind="stable")  # the index is still the place in `table`
     first_rows, pairs = compare_attempts(rows, names(KEY))
     if pairs.empty:
         return table, 0
@@ -60,7 +60,7 @@ def merged_rows(
             f"the folders contradict each other in {count}; nothing was merged:\n  {listed}"
         )
     copies = (pairs["run_id"] == pairs["run_id_kept"]) & (pairs["started"] == pairs["started_kept"])
-    # back from the order of starts to the order of the tables
+    # the places in `table` of the rows to keep, in the order of the tables
     positions = np.sort(rows.index.to_numpy()[first_rows])
     return table.take(pa.array(positions)), int((~copies).sum())
 
@@ -175,8 +175,9 @@ def _unite(folders: Sequence[FilePath], manifests: Sequence[Manifest], fresh: Fi
 def _unite_manifests(manifests: Sequence[Manifest]) -> Manifest:
     """The united manifest of all folders.
 
-    It is the first folder's, with the solvers and runs of all folders. Of a solver's entries the
-    first counts, with the largest number of cells that a folder has for the same code.
+    It is the first folder's, with the solvers and runs of all folders. If folders have entries of
+    one solver with different code, the first folder's counts. Of entries with the same code, the
+    largest number of cells counts.
     """
     solvers: dict[str, SolverEntry] = {}
     runs: dict[str, RunEntry] = {}

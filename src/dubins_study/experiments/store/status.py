@@ -84,20 +84,21 @@ def status(folder: str | FilePath) -> Status:
         ResultsError: if it is not a results folder, or a part has another schema.
     """
     [place] = folder_paths([folder])
-    for attempt in range(_MAX_TRIES):
+    tries_left = _MAX_TRIES
+    while True:
+        tries_left -= 1
         live = is_locked(place)
         manifest = read_manifest(place)
         damaged: list[FilePath] = []
         try:
             table = read_rows(place, _COLUMNS, damaged)
         except ResultsError:
-            if not live or attempt == _MAX_TRIES - 1:
-                raise
-        else:
-            break
-    # a spoilt row may lack any of them
-    rows = table.to_pandas().fillna({"outcome": "", "verdict": "", "message": "", "wall_s": 0.0})
-    return _status(place, manifest, rows, len(damaged), live)
+            if live and tries_left:
+                continue
+            raise
+        # a spoilt row may lack any of them
+        blanks = {"outcome": "", "verdict": "", "message": "", "wall_s": 0.0}
+        return _status(place, manifest, table.to_pandas().fillna(blanks), len(damaged), live)
 
 
 def _status(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from functools import cache
 from importlib.metadata import entry_points
 
@@ -83,6 +83,15 @@ def is_true(values: pd.Series) -> pd.Series[bool]:
     return values.eq(True).fillna(False).astype(bool)
 
 
+def first_true(conditions: Mapping[str, pd.Series[bool]], default: str) -> pd.Series[str]:
+    """The name of the first condition that holds.
+
+    `conditions` maps names to masks of the same rows. Rows where none holds have `default`.
+    """
+    masks = list(conditions.values())
+    return pd.Series(np.select(masks, list(conditions), default), masks[0].index)
+
+
 def false_claims(rows: pd.DataFrame) -> pd.Series[bool]:
     """A mask of claims that are certainly false.
 
@@ -144,8 +153,8 @@ def methods(rows: pd.DataFrame) -> pd.DataFrame:
     Columns solver, formulation, engine, guess. If a solver's rows state several values, these are
     joined by "or", e.g. `none or warm`.
     """
-    stated = rows[["solver", *_METHOD]].drop_duplicates()
-    return stated.groupby("solver").agg(_joined).reset_index()
+    stated = rows[["solver", *_METHOD]].drop_duplicates().groupby("solver")
+    return stated.agg(_joined).reset_index()
 
 
 def _joined(values: pd.Series[str]) -> str:

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import chain
 from pathlib import Path as FilePath
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeAlias
 
 import pandas as pd
 import pyarrow as pa
@@ -34,6 +34,8 @@ _CONTROLS = ["curvatures", "lengths"]
 _START = ["x", "y", "heading", "start_heading"]  # what `start_of` reads
 _SCALARS = [c.name for c in ROW if not c.manifest and c.name not in _CONTROLS]
 _COLUMNS = [*_SCALARS, *_CONTROLS]
+_Folders: TypeAlias = str | FilePath | Iterable[str | FilePath]
+Settings: TypeAlias = dict[str, dict[str, Any]]  # spec -> its settings
 _NO_ROWS = pa.schema([ARROW_SCHEMA.field(name) for name in _COLUMNS]).empty_table()
 
 
@@ -88,9 +90,9 @@ class Results:
         return counted(self.rows)
 
     @property
-    def settings(self) -> dict[str, dict[str, Any]]:
+    def settings(self) -> Settings:
         """Every spec's settings, from the manifests."""
-        settings: dict[str, dict[str, Any]] = {}
+        settings: Settings = {}
         for folder in self.folders:
             settings |= {spec: entry.settings for spec, entry in folder.manifest.solvers.items()}
         return settings
@@ -145,7 +147,7 @@ def load_results(folders: str | FilePath | Iterable[str | FilePath]) -> pd.DataF
     return rows.select(["experiment", *_SCALARS]).to_pandas().assign(**controls)
 
 
-def load(folders: str | FilePath | Iterable[str | FilePath]) -> Results:
+def load(folders: _Folders) -> Results:
     """Read folders and join their attempts into one `Results`.
 
     If two have the same cell, the first folder's row is kept. Folders after the first that were
@@ -155,9 +157,7 @@ def load(folders: str | FilePath | Iterable[str | FilePath]) -> Results:
     return _joined(_read_full(folders))
 
 
-def load_with_rows(
-    folders: str | FilePath | Iterable[str | FilePath],
-) -> tuple[Results | None, tuple[Folder, ...]]:
+def load_with_rows(folders: _Folders) -> tuple[Results | None, tuple[Folder, ...]]:
     """Read folders like `load`; return results and empty folders.
 
     A folder without rows is no error here: it stands in the second value, in the order of the
@@ -180,7 +180,7 @@ class _Stored(NamedTuple):
     recheck: Recheck | None = None
 
 
-def _read(folders: str | FilePath | Iterable[str | FilePath]) -> list[_Stored]:
+def _read(folders: _Folders) -> list[_Stored]:
     """Read the manifest and the rows of each folder.
 
     The folders of the first argument define the usual set-ups. A folder of a later argument is
@@ -213,7 +213,7 @@ def _results_in(folder: FilePath) -> list[FilePath]:
     return sorted(inner.parent for inner in folder.glob(f"*/{MANIFEST}")) or [folder]
 
 
-def _read_full(folders: str | FilePath | Iterable[str | FilePath]) -> list[_Stored]:
+def _read_full(folders: _Folders) -> list[_Stored]:
     """Read folders; an error names one without rows."""
     stored = _read(folders)
     for entry in stored:
@@ -247,7 +247,6 @@ def _selected(stored: Sequence[_Stored]) -> tuple[pa.Table, list[RowCounts]]:
 
 def _joined(stored: Sequence[_Stored]) -> Results:
     """Make the results of the folders' counted rows."""
-    manifests = [folder.manifest for folder in stored]
     rows, counts = _selected(stored)
     added = ["experiment", "answerable", "left_open", "late", "elsewhere"]
     frame = rows.select([*added, *_SCALARS]).to_pandas()
@@ -258,7 +257,10 @@ def _joined(stored: Sequence[_Stored]) -> Results:
             frame[name] = frame[name].mask(frame["elsewhere"])
     taken = frame[~untaken]
     return Results(
-        folders=tuple(map(Folder, manifests, counts, (folder.recheck for folder in stored))),
+        folders=tuple(
+            Folder(manifest=entry.manifest, rows=count, recheck=entry.recheck)
+            for entry, count in zip(stored, counts, strict=True)
+        ),
         rows=taken,
         untaken=frame.loc[untaken, ["solver", "experiment"]],
         elsewhere=elsewhere,

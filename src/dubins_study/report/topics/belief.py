@@ -8,11 +8,19 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from dubins_study.report.data.attempts import EXACT, TOLERANCES, false_claims, is_true, own
+from dubins_study.report.data.attempts import (
+    EXACT,
+    TOLERANCES,
+    false_claims,
+    first_true,
+    is_true,
+    own,
+)
 from dubins_study.report.data.command import ROUTE, SCENARIO
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.columns import columns
 from dubins_study.report.elements.content import (
+    Block,
     General,
     Picture,
     Place,
@@ -87,9 +95,14 @@ def claims(compared: Compared) -> pd.DataFrame:
     less = silent & verdict.isin(["optimal", "longer"])
     less |= (claim == "feasible") & (verdict == "optimal")
     denial = rows["answerable"] & (claim == Claim.LOCALLY_INFEASIBLE)
-    # The first condition that holds decides; TRUE if none does.
-    worths = [false, high | misses, denial, less, silent]
-    truth = np.select(worths, [FALSE, TOLERATED, DENIAL, LESS, NOTHING], TRUE)
+    worths = {
+        FALSE: false,
+        TOLERATED: high | misses,
+        DENIAL: denial,
+        LESS: less,
+        NOTHING: silent,
+    }
+    truth = first_true(worths, TRUE)
     kinds = [  # in the order of PROOFS; its last one if none holds
         high & false,
         high,
@@ -155,7 +168,7 @@ def belief_section(results: Results) -> Section | None:
     # questions of all suites that ask the method: so many it could have met
     table["askable"] = suites["experiment"].map(sizes).groupby(suites["solver"]).sum()
     false = false_proofs(rows)
-    blocks: list[Picture | Table] = [_picture(table)]
+    blocks: list[Block] = [_picture(table)]
     if len(false):
         blocks.append(_proof_table(false, names))
     text = sentences(

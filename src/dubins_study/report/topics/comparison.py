@@ -12,6 +12,7 @@ from dubins_study.report.data.results import Results
 from dubins_study.report.elements.columns import columns
 from dubins_study.report.elements.content import (
     BENCHMARK,
+    Block,
     Picture,
     Section,
     Table,
@@ -251,7 +252,7 @@ def comparison_section(results: Results) -> Section | None:
     if shared.empty or len(shared.columns) < 2:
         return None
     ranked, shift = mean_ranks(attempts)
-    blocks: list[Picture | Table] = [_profiles(table, ranked, Palette.of_page(results))]
+    blocks: list[Block] = [_profiles(table, ranked, Palette.of_page(results))]
     blocks.append(rank_table(ranked, shift, attempts.limit_s))
     tests = formulation_tests(table, ranked)
     if len(tests):

@@ -174,8 +174,7 @@ def _pictures(lines: pd.DataFrame, palette: Palette) -> list[Picture]:
         xlabel = "steps, headings or elements N"
         figure = parameter_lines(group, "size", "value", palette, xlabel, ylabel, height=3.7)
         caption = f"Targets {place}: {text}"
-        name = f"{stem}-{slug(str(place))}"
-        pictures.append(Picture(name, caption, figure, caption, half=True))
+        pictures.append(Picture(f"{stem}-{slug(str(place))}", caption, figure, caption, half=True))
     return pictures
 
 

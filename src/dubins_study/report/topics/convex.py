@@ -11,7 +11,14 @@ import pandas as pd
 from dubins_study.report.data.attempts import is_true
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.columns import Column, columns, marks
-from dubins_study.report.elements.content import Picture, Section, Table, Topic, panels_picture
+from dubins_study.report.elements.content import (
+    Block,
+    Picture,
+    Section,
+    Table,
+    Topic,
+    panels_picture,
+)
 from dubins_study.report.elements.formats import ABSENT, count, seconds, sentences, share, some
 from dubins_study.report.elements.identity import with_interval, with_share
 from dubins_study.report.elements.looks import Palette
@@ -126,7 +133,7 @@ def convex_section(results: Results) -> Section | None:
         _through_cvxpy(rows),
         old_problems,
     )
-    blocks: list[Picture | Table] = [_engines(methods, shift_of(direct))]
+    blocks: list[Block] = [_engines(methods, shift_of(direct))]
     if direct["wall_s"].notna().any():
         blocks = [_profiles(direct, results), *blocks]
     lead = _best_supported(methods)

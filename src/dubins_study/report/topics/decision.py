@@ -16,6 +16,7 @@ from dubins_study.report.data.attempts import (
     ENOUGH_TO_CHOOSE,
     EXACT,
     false_claims,
+    first_true,
     is_true,
     legs_of,
     own_name,
@@ -85,13 +86,12 @@ def ends(rows: pd.DataFrame) -> dict[Hashable, dict[Any, float]]:
         "not asked": ~was_asked,
         "right": rows["right"],
     }
-    # The first condition that holds names the end; a right answer has no share here.
-    kind = np.select([*conditions.values()], [*conditions], "none")
-    flags = pd.get_dummies(pd.Series(kind, rows.index)).reindex(columns=_SHARES, fill_value=False)
+    # a right answer has no share here
+    kinds_of_end = pd.get_dummies(first_true(conditions, "none"))
+    flags = kinds_of_end.reindex(columns=_SHARES, fill_value=False)
     counted = pd.DataFrame({"false_claims": false_claims(rows), "asked": was_asked})
     kinds = [rows[key] for key in _KIND]
-    frame = flags.groupby(kinds).mean().join(counted.groupby(kinds).sum())
-    return frame.to_dict("index")
+    return flags.groupby(kinds).mean().join(counted.groupby(kinds).sum()).to_dict("index")
 
 
 def stops(rows: pd.DataFrame, strata: Sequence[str]) -> dict[Hashable, str]:

@@ -5,12 +5,12 @@ It shows which solvers recognise that no path exists.
 
 from __future__ import annotations
 
-import numpy as np
 import pandas as pd
 
 from dubins_study.report.data.attempts import (
     PRESOLVED,
     SUCCESSES,
+    first_true,
     is_true,
     methods,
     questions,
@@ -52,7 +52,7 @@ def existence(attempts: pd.DataFrame) -> pd.DataFrame:
     verdict = attempts["verdict"]
     false = attempts["false_claim"]
     local = attempts["claim"].eq(Claim.LOCALLY_INFEASIBLE)
-    conditions = {  # the first that holds is the kind; "silent" if none does
+    conditions = {
         "": there | attempts["left_open"],
         "presolved": verdict.eq(PRESOLVED),
         "unasked": attempts["outcome"].eq("unavailable"),
@@ -60,7 +60,7 @@ def existence(attempts: pd.DataFrame) -> pd.DataFrame:
         "local": verdict.isin(SUCCESSES),
         "wrong": is_true(false),
     }
-    kind = pd.Series(np.select([*conditions.values()], [*conditions], "silent"), attempts.index)
+    kind = first_true(conditions, "silent")
     denied = there & attempts["claim"].isin(DENIALS)
     chosen = {name: kind.eq(name) for name in KINDS} | {"questions": there, "denied": denied}
     counts = pd.DataFrame({name: questions(attempts, which) for name, which in chosen.items()})

@@ -10,7 +10,7 @@ import re
 import numpy as np
 import pandas as pd
 
-from dubins_study.report.data.attempts import LATE, PRESOLVED, SUCCESSES
+from dubins_study.report.data.attempts import LATE, PRESOLVED, SUCCESSES, first_true
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.columns import SOLVER, columns
 from dubins_study.report.elements.content import General, Section, Table, Topic
@@ -56,14 +56,13 @@ def kinds_of(attempts: pd.DataFrame) -> pd.Series[str]:
     path, without an answer that the check accepts.
     """
     verdict = attempts["verdict"]
-    conditions = {  # the first that holds is the kind; "no path" if none does
+    conditions = {
         "": ~attempts["answerable"] | verdict.isin((*SUCCESSES, PRESOLVED)),
         "no return": attempts["outcome"].ne("returned") | verdict.eq(LATE),
         "misses": verdict.eq("misses"),
         "longer": verdict.eq("longer"),
     }
-    kinds = np.select([*conditions.values()], [*conditions], "no path")
-    return pd.Series(kinds, attempts.index)
+    return first_true(conditions, "no path")
 
 
 def plainest(attempts: pd.DataFrame, keys: list[str]) -> pd.DataFrame:

@@ -6,12 +6,13 @@
 from __future__ import annotations
 
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
 
 from dubins_study.report.data.attempts import ENOUGH_ASKED, EXACT
+from dubins_study.report.data.results import Settings
 from dubins_study.report.elements.formats import Format, digits, seconds, share, some
 from dubins_study.report.elements.identity import with_interval
 from dubins_study.report.statistics.intervals import (
@@ -115,9 +116,7 @@ class Evidence:
         settings: all settings of each solver, also those left out of its spec.
     """
 
-    def __init__(
-        self, compared: Compared, of: int = 1, settings: dict[str, dict[str, Any]] | None = None
-    ) -> None:
+    def __init__(self, compared: Compared, of: int = 1, settings: Settings | None = None) -> None:
         self.compared = compared
         self.of = of
         self.settings = settings or {}
@@ -227,8 +226,7 @@ class Evidence:
         known = values.dropna().to_frame("value")
         if len(known) < ENOUGH:
             return None
-        ends = self.compared.bootstrap(known, medians, "value", of=self.of)
-        return estimate_of(ends, len(known))
+        return estimate_of(self.compared.bootstrap(known, medians, "value", of=self.of), len(known))
 
     def estimate_over_engines(self, table: pd.DataFrame, of: int = 1) -> Estimate | None:
         """The mean of a table of questions by solvers.

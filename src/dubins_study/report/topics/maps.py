@@ -80,9 +80,11 @@ def grid_of(table: pd.DataFrame, column: str) -> tuple[FloatArray, FloatArray, F
     has the columns x and y; of several rows at one place the first counts.
     """
     grid = table.drop_duplicates(["x", "y"]).pivot(index="y", columns="x", values=column)
-    x = grid.columns.to_numpy(dtype=np.float64)
-    y = grid.index.to_numpy(dtype=np.float64)
-    return x, y, grid.to_numpy(dtype=np.float64)
+    return (
+        grid.columns.to_numpy(dtype=np.float64),
+        grid.index.to_numpy(dtype=np.float64),
+        grid.to_numpy(dtype=np.float64),
+    )
 
 
 def _dots(mark: Mark) -> Style:

@@ -20,6 +20,7 @@ from dubins_study.report.data.results import Results
 from dubins_study.report.elements.columns import Column, columns
 from dubins_study.report.elements.content import (
     BENCHMARK,
+    Block,
     Picture,
     Section,
     Table,
@@ -104,8 +105,7 @@ def _engines(entries: Sequence[MatrixEntry], best: pd.DataFrame) -> list[tuple[s
         no_kind = _NO_KIND
     for engine in sorted(set(best["engine"]), key=str.casefold):
         kind_of.setdefault(engine, no_kind)
-    plugins = best.loc[best["solver"].map(own_name) != "", "engine"]
-    plugin_kinds = dict.fromkeys(plugins, "plug-in")
+    plugin_kinds = dict.fromkeys(best.loc[best["solver"].map(own_name) != "", "engine"], "plug-in")
     kind_of = plugin_kinds | kind_of | plugin_kinds  # they come first, whatever an entry says
     kinds = list(dict.fromkeys(kind_of.values()))
     order = sorted(kind_of, key=lambda engine: kinds.index(kind_of[engine]))
@@ -235,14 +235,13 @@ def matrix_section(results: Results) -> Section | None:
 
     It has the map, the reasons why pairs have no row, and the shares by stratum.
     """
-    attempts = results.attempts
-    methods = solver_summary(attempts)
+    methods = solver_summary(results.attempts)
     methods = methods[methods["right_of"] > 0].reset_index(drop=True)
     entries = chain.from_iterable(run.manifest.matrix for run in results.folders)
     cells = matrix(methods, list(entries))
     if not cells["filled"].any():
         return None
-    blocks: list[Picture | Table] = [_picture(cells)]
+    blocks: list[Block] = [_picture(cells)]
     if cells["note"].any():
         blocks.append(_reasons(cells))
     strata_table = _stratum_table(results, methods, strata(results.rows))

@@ -37,8 +37,7 @@ def by_limit(rows: pd.DataFrame) -> pd.DataFrame:
     cell = ["solver", "legs", "limit_s"]
     medians = counted.groupby(cell)[["bound_gap", "wall_s"]].agg(upper_quantile, q=0.5)
     shares = scenario_shares(counted, by=cell, success="closed", scenario=TRIAL)
-    frame = with_share(medians, "closed", shares["successes"], shares["trials"])
-    return frame.reset_index()
+    return with_share(medians, "closed", shares["successes"], shares["trials"]).reset_index()
 
 
 def proofs_section(results: Results) -> Section | None:

@@ -122,8 +122,7 @@ def radius_section(results: Results) -> Section | None:
         "At R* the target enters a turning circle. See there how the word changes, and how the "
         "length jumps if the target was ahead."
     )
-    title = "Length and word against radius"
-    return Section("radius", title, text, tuple(blocks), lead)
+    return Section("radius", "Length and word against radius", text, tuple(blocks), lead)
 
 
 def _draw_sweep(ax: Axes, rows: pd.DataFrame, circle: float, palette: Palette) -> None:
@@ -210,8 +209,7 @@ def _draw_wrong(ax: Axes, wrong: pd.DataFrame, palette: Palette) -> None:
         arrived = group[group["gap"].notna()]
         lost = group["radius"][group["gap"].isna()]
         dots = look.dots | {"markersize": 3.5, "markerfacecolor": "none", "zorder": 4}
-        label = names[solver][:_MOST_LETTERS]
-        ax.plot(arrived["radius"], arrived["length"], label=label, **dots)
+        ax.plot(arrived["radius"], arrived["length"], label=names[solver][:_MOST_LETTERS], **dots)
         if len(lost):  # an empty line off the data's axes would upset the layout
             foot = np.full(len(lost), 0.03)
             ax.plot(lost, foot, transform=ax.get_xaxis_transform(), **dots | {"marker": "x"})

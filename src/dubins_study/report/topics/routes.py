@@ -120,8 +120,10 @@ def routes_section(results: Results) -> Section | None:
     engines = solver_summary(results.attempts)
     engines = engines[engines["solver"] != EXACT]
     timed = _timed(engines)
-    picture = _picture(cells, strata, results, engines, timed)
-    blocks = (picture, _profiles(rows, results, timed))
+    blocks = (
+        _picture(cells, strata, results, engines, timed),
+        _profiles(rows, results, timed),
+    )
     return Section("routes", TITLE, _text(rows), blocks, lead)
 
 
@@ -279,8 +281,7 @@ def palette_of(results: Results, labels: Mapping[str, str]) -> Palette:
     `labels` tell the methods of these results apart, and the closed form is called the search with
     a proof.
     """
-    with_search = {**labels, EXACT: "search with a proof"}
-    return replace(Palette.of_page(results), labels=with_search)
+    return replace(Palette.of_page(results), labels={**labels, EXACT: "search with a proof"})
 
 
 def usual_limit(rows: pd.DataFrame) -> float:

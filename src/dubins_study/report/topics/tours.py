@@ -13,9 +13,10 @@ import numpy as np
 import pandas as pd
 
 from dubins_study.report.data.attempts import EXACT, TRIAL, is_true, legs_of
-from dubins_study.report.data.results import Results
+from dubins_study.report.data.results import Results, Settings
 from dubins_study.report.elements.columns import SOLVER, Column, columns
 from dubins_study.report.elements.content import (
+    Block,
     General,
     Picture,
     Section,
@@ -148,7 +149,7 @@ def by_engine(rows: pd.DataFrame) -> pd.DataFrame:
     return with_share(frame, "closes", shares["successes"], shares["trials"]).reset_index()
 
 
-def against_proof(rows: pd.DataFrame, settings: dict[str, dict[str, Any]]) -> pd.DataFrame:
+def against_proof(rows: pd.DataFrame, settings: Settings) -> pd.DataFrame:
     """Answers to questions with a proved tour.
 
     Each such question has at most one answer of each kind. Kinds are the best tour of a grid, by
@@ -182,11 +183,10 @@ def by_kind(compared: pd.DataFrame) -> pd.DataFrame:
     trials = groups.size()
     refuted = compared["verdict"].eq("longer").groupby(compared["kind"]).sum()
     frame = with_share(frame, "refuted", refuted.reindex(frame.index), trials)
-    other = groups["other_order"].sum()
-    return with_share(frame, "other_order", other, trials).reset_index()
+    return with_share(frame, "other_order", groups["other_order"].sum(), trials).reset_index()
 
 
-def _kind_of(row: dict[Hashable, Any], settings: dict[str, dict[str, Any]]) -> str:
+def _kind_of(row: dict[Hashable, Any], settings: Settings) -> str:
     """The kind of a compared answer, or empty.
 
     Answers are compared with proved tours. An answer that is not compared has no kind.
@@ -220,7 +220,7 @@ def tours_section(results: Results) -> Section | None:
     cells = in_page_order(by_points(rows), results)
     strata = stratum_order(results, cells["label"])
     compared = against_proof(rows, results.settings)
-    blocks: list[Picture | Table] = [_closed_picture(rows, cells, strata, results)]
+    blocks: list[Block] = [_closed_picture(rows, cells, strata, results)]
     closed = closed_within(rows[rows["solver"].isin(provers(rows))])
     engines = by_engine(asked_of_most(rows)).merge(closed, "left", on="solver")
     blocks.append(_engines(in_page_order(engines, results)))
