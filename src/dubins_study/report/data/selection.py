@@ -12,6 +12,7 @@ import numpy as np
 import pandas as pd
 import pyarrow as pa
 
+from dubins_study.report.data.attempts import Mask
 from dubins_study.study.kinds.table import kind_of
 from dubins_study.study.rows.manifest import Manifest
 from dubins_study.study.rows.repeated import JUDGED, compare_attempts, differences
@@ -138,7 +139,7 @@ def _other_limits(rows: pd.DataFrame) -> pd.Series[int]:
     return other.drop_duplicates(["folder", "scenario_id", "branch"]).groupby("folder").size()
 
 
-def _is_current(rows: pd.DataFrame, manifests: Sequence[Manifest]) -> pd.Series[bool]:
+def _is_current(rows: pd.DataFrame, manifests: Sequence[Manifest]) -> Mask:
     """A mask of the rows made by current code.
 
     The manifest of the row's folder names the current code digest of each solver; `status` compares
@@ -152,7 +153,7 @@ def _is_current(rows: pd.DataFrame, manifests: Sequence[Manifest]) -> pd.Series[
 
 
 def _row_counts(
-    current: pd.Series[bool], pairs: pd.DataFrame, gap_tolerance: float, other_limits: int
+    current: Mask, pairs: pd.DataFrame, gap_tolerance: float, other_limits: int
 ) -> RowCounts:
     """The counts of one folder's rows.
 
@@ -170,7 +171,7 @@ def _row_counts(
     )
 
 
-def _answerable(rows: pd.DataFrame) -> pd.Series[bool]:
+def _answerable(rows: pd.DataFrame) -> Mask:
     """A mask of rows whose question has an answer.
 
     A judged row has a reference word exactly if its question has an answer. For a row that was not

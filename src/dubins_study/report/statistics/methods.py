@@ -126,8 +126,7 @@ def best_methods(frame: pd.DataFrame, keys: list[str]) -> pd.DataFrame:
     The chosen rows come back in the order of the frame.
     """
     ranked = _ranked(frame.reset_index(drop=True))
-    places = ranked.drop_duplicates(keys).index
-    return frame.iloc[sorted(places)]
+    return frame.iloc[sorted(ranked.drop_duplicates(keys).index)]
 
 
 def _ranked(frame: pd.DataFrame, low: str = "right_low") -> pd.DataFrame:

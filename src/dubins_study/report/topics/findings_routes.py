@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 import pandas as pd
 
-from dubins_study.report.data.attempts import ENOUGH_TO_CHOOSE, EXACT, legs_of
+from dubins_study.report.data.attempts import ENOUGH_TO_CHOOSE, EXACT, Mask, legs_of
 from dubins_study.report.elements.formats import seconds, some
 from dubins_study.report.statistics.intervals import geometric_means
 from dubins_study.report.statistics.methods import by_support
@@ -76,7 +76,7 @@ def _of_several_legs(rows: pd.DataFrame) -> pd.DataFrame:
     return rows.assign(legs=legs)[legs > 1]
 
 
-def _closed(rows: pd.DataFrame) -> pd.Series[bool]:
+def _closed(rows: pd.DataFrame) -> Mask:
     """A mask of attempts right with a proof.
 
     The attempts are the search's.

@@ -98,8 +98,7 @@ def by_size(rows: pd.DataFrame, size: str = "legs", success: str = "right") -> p
     frame["gap"] = groups["gap"].agg(upper_quantile, q=0.5)
     left_open = rows["left_open"]
     frame["left_open"] = rows[left_open].groupby(cell)["scenario_id"].nunique()
-    decided = scenario_shares(rows[~left_open], by=cell, success=success, scenario=TRIAL)
-    frame = frame.join(decided)
+    frame = frame.join(scenario_shares(rows[~left_open], by=cell, success=success, scenario=TRIAL))
     return frame.fillna({"successes": 0, "trials": 0, "left_open": 0}).reset_index()
 
 

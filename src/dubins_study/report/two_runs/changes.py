@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 import pandas as pd
 
+from dubins_study.report.data.attempts import Mask
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.formats import some
 from dubins_study.report.statistics.intervals import bootstrap, geometric_means, holm, sign_test
@@ -164,7 +165,7 @@ def solver_changes(base: Results, new: Results, pairs: pd.DataFrame) -> pd.DataF
     return frame.assign(right_p=holm(frame["right_p"]))
 
 
-def lost(pairs: pd.DataFrame) -> pd.Series[bool]:
+def lost(pairs: pd.DataFrame) -> Mask:
     """A mask of the questions that were lost.
 
     A lost question was right in every repeat of the base and in no repeat of the new run.
@@ -172,7 +173,7 @@ def lost(pairs: pd.DataFrame) -> pd.Series[bool]:
     return pairs["right_base"].eq(1) & pairs["right_new"].eq(0)
 
 
-def newly_false(pairs: pd.DataFrame) -> pd.Series[bool]:
+def newly_false(pairs: pd.DataFrame) -> Mask:
     """A mask of questions with a new false claim.
 
     The claim or bound is false in the new run only.
@@ -180,7 +181,7 @@ def newly_false(pairs: pd.DataFrame) -> pd.Series[bool]:
     return pairs["false_new"] & ~pairs["false_base"]
 
 
-def less_accurate(pairs: pd.DataFrame) -> pd.Series[bool]:
+def less_accurate(pairs: pd.DataFrame) -> Mask:
     """A mask of right answers that became less accurate.
 
     The question is right in both runs, and the new gap is more than `WORSE_GAP` times the old one.
@@ -190,7 +191,7 @@ def less_accurate(pairs: pd.DataFrame) -> pd.Series[bool]:
     return _right_in_both(pairs) & (pairs["gap_new"] > WORSE_GAP * before)
 
 
-def _right_in_both(pairs: pd.DataFrame) -> pd.Series[bool]:
+def _right_in_both(pairs: pd.DataFrame) -> Mask:
     """A mask of questions right in both runs.
 
     Such a question has an answer, and all repeats of both runs are right.

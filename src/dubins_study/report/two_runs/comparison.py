@@ -12,6 +12,7 @@ from typing import Any
 
 import pandas as pd
 
+from dubins_study.report.data.attempts import Mask
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.formats import ABSENT, digits, seconds, share
 from dubins_study.report.two_runs.changes import (
@@ -100,7 +101,7 @@ def regressions(
     return pd.DataFrame(lines, columns=columns, dtype=object).fillna("")
 
 
-def _share_changed(changes: pd.DataFrame) -> pd.Series[bool]:
+def _share_changed(changes: pd.DataFrame) -> Mask:
     """A mask of solvers whose share right changed.
 
     The sign test's p is below the level `ALPHA`.
@@ -108,7 +109,7 @@ def _share_changed(changes: pd.DataFrame) -> pd.Series[bool]:
     return changes["right_p"].lt(ALPHA)
 
 
-def _timed(changes: pd.DataFrame) -> pd.Series[bool]:
+def _timed(changes: pd.DataFrame) -> Mask:
     """A mask of solvers with comparable times.
 
     Their code changed, and enough of their questions have times. The times of unchanged solvers
