@@ -210,12 +210,12 @@ class Look(NamedTuple):
     line: LineStyle
 
     @property
-    def dots(self) -> dict[str, Any]:
+    def dots(self) -> style.Style:
         """Keywords for markers without a line."""
         return {"color": self.colour, "marker": self.marker, "linestyle": "none"}
 
     @property
-    def lines(self) -> dict[str, Any]:
+    def lines(self) -> style.Style:
         """Keywords for a line without markers."""
         return {"color": self.colour, "linestyle": self.line}
 

@@ -177,7 +177,7 @@ def foremost(scores: pd.Series[float], most: int = MOST_ENGINES) -> list[str]:
     back in the order of the index. A figure draws the other curves in grey.
     """
     best = scores.sort_values(ascending=False, kind="stable").index
-    chosen = set([*own(best), *best][:most])
+    chosen = list(dict.fromkeys([*own(best), *best]))[:most]
     return [str(name) for name in scores.index if name in chosen]
 
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping
-from typing import Any
 
 from matplotlib.axes import Axes
 from matplotlib.patches import Circle
@@ -14,14 +13,23 @@ from dubins_study.report.data.results import Results
 from dubins_study.report.elements.content import Picture, Place, Section, Topic, picture
 from dubins_study.report.elements.formats import digits
 from dubins_study.report.elements.looks import LINES
-from dubins_study.report.elements.style import BLUE, GREEN, INK, MUTED, PAPER, RULE, VERMILION
+from dubins_study.report.elements.style import (
+    BLUE,
+    GREEN,
+    INK,
+    MUTED,
+    PAPER,
+    RULE,
+    VERMILION,
+    Style,
+)
 from dubins_study.report.paper.printed import PROBLEMS, Problem
 from dubins_study.report.topics.paper import word_paths
 from dubins_study.study.path import Path, outline
 from dubins_study.study.scenario import Pose, Scenario
 
 _COLOURS = (BLUE, VERMILION, GREEN)
-_TARGET_RING: dict[str, Any] = {
+_TARGET_RING: Style = {
     "markersize": 7,
     "markerfacecolor": PAPER,
     "markeredgecolor": MUTED,

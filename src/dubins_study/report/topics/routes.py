@@ -483,7 +483,7 @@ _THINNEST_LINE = 0.5  # share of the full width
 _SMALLEST_DOT = 0.2  # share of the full size
 _MARGIN = 0.07  # around the drawing, as a share of its size
 # Colour, line and width of each kind of piece: three shades and three lines in grey print.
-_TURNS: dict[str, tuple[str, dict[str, Any]]] = {
+_TURNS: dict[str, tuple[str, Style]] = {
     "L": ("left", {"color": BLUE, "linestyle": "-", "linewidth": 2.4}),
     "S": ("straight", {"color": INK, "linestyle": "-", "linewidth": 0.9}),
     "R": ("right", {"color": VERMILION, "linestyle": (0, (2.2, 0.7)), "linewidth": 2.4}),
