@@ -138,10 +138,12 @@ def common_part(names: Sequence[str]) -> tuple[str, list[str]]:
     """
     names = distinct([one_line(name, _MOST_IN_PANEL) for name in names])
     tails = {name.partition(", ")[2] for name in names}
-    # An engine whose only guess is the usual one, or that needs none, does not name it.
+    # An engine whose only guess is the usual one, or that needs none, does not name it: with
+    # `Ipopt, bearing start` and `Brent` the tail "bearing start" is shared.
     if tails > {_USUAL_START}:
         tails.discard("")
-    if len(names) < 2 or len(tails) > 1 or tails == {""}:
+    all_share_a_tail = len(tails) == 1 and tails != {""}
+    if len(names) < 2 or not all_share_a_tail:
         return "", names
     return f" ({tails.pop()})", [name.partition(", ")[0] for name in names]
 
@@ -267,7 +269,8 @@ class Palette:
         dashes = {hue.light: place for place, hue in enumerate(style.ENGINE_HUES)}
         for spec in solver_order(list(specs)):
             colour, marker = self.hues[self.engines.get(spec, parse_spec(spec)[0])]
-            place = used[colour] = used.get(colour, -1) + 1  # the n-th solver of this hue, from 0
+            place = used.get(colour, -1) + 1  # the n-th solver of this hue, from 0
+            used[colour] = place
             line = LINES[(dashes.get(colour, 0) + place) % len(LINES)]
             result[spec] = Look(colour, marker, line)
         return result

@@ -172,7 +172,7 @@ def _pictures(lines: pd.DataFrame, palette: Palette) -> list[Picture]:
     for (measure, place), group in positive.groupby(["measure", "place"]):
         stem, ylabel, text = _FIGURES[str(measure)]
         xlabel = "steps, headings or elements N"
-        figure = parameter_lines(group, "size", "value", palette, xlabel, ylabel, height=3.7)
+        figure = parameter_lines(group, palette, xlabel, ylabel)
         caption = f"Targets {place}: {text}"
         pictures.append(Picture(f"{stem}-{slug(str(place))}", caption, figure, caption, half=True))
     return pictures

@@ -142,27 +142,34 @@ def solver_changes(base: Results, new: Results, pairs: pd.DataFrame) -> pd.DataF
     after = new.folders[0].manifest.code_digests
     lines: list[dict[str, object]] = []
     for solver in solver_order(pairs["solver"].unique().tolist()):
+        same_code = after.get(solver) == before.get(solver, "")
         rows = pairs[pairs["solver"] == solver]
-        answerable = rows[rows["answerable"]]
-        # costs of the sign test: the share of wrong repeats
-        test = sign_test(1 - answerable["right_new"], 1 - answerable["right_base"])
-        p = test.p
-        if not test.pairs:
-            p = np.nan
-        line = {
-            "solver": solver,
-            "same_code": after.get(solver) == before.get(solver, ""),
-            "questions": len(answerable),
-            "right_base": answerable["right_base"].mean(),
-            "right_new": answerable["right_new"].mean(),
-            "right_p": p,
-            "lost": int(lost(answerable).sum()),
-            # the opposite of `lost`
-            "gained": int((answerable["right_base"].eq(0) & answerable["right_new"].eq(1)).sum()),
-        }
-        lines.append(line | _times(rows))
+        answers = _answers(rows[rows["answerable"]])
+        lines.append({"solver": solver, "same_code": same_code, **answers, **_times(rows)})
     frame = pd.DataFrame(lines)
     return frame.assign(right_p=holm(frame["right_p"]))
+
+
+def _answers(answerable: pd.DataFrame) -> dict[str, object]:
+    """How one solver's answers changed.
+
+    The questions have a path. `right_p` is not corrected yet, and NaN if no question differs.
+    """
+    # costs of the sign test: the share of wrong repeats
+    test = sign_test(1 - answerable["right_new"], 1 - answerable["right_base"])
+    p = test.p
+    if not test.pairs:
+        p = np.nan
+    # the opposite of `lost`
+    gained = answerable["right_base"].eq(0) & answerable["right_new"].eq(1)
+    return {
+        "questions": len(answerable),
+        "right_base": answerable["right_base"].mean(),
+        "right_new": answerable["right_new"].mean(),
+        "right_p": p,
+        "lost": int(lost(answerable).sum()),
+        "gained": int(gained.sum()),
+    }
 
 
 def lost(pairs: pd.DataFrame) -> Mask:

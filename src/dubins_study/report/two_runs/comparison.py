@@ -129,16 +129,17 @@ def verdicts(changes: pd.DataFrame, regressions: pd.DataFrame, slower: float) ->
     texts = []
     for row in changes.assign(more_often=more_often, faster=faster).to_dict("records"):
         worse = regressions.loc[regressions["solver"] == row["solver"], "kind"].unique()
-        better = {
-            f"{row['gained']} more right": row["gained"] > 0,
-            "right more often": row["more_often"],
-            "faster": row["faster"],
-        }
-        applying = [text for text, applies in better.items() if applies]
+        better = []
+        if row["gained"] > 0:  # single questions; `more_often` is a significant share of all
+            better.append(f"{row['gained']} more right")
+        if row["more_often"]:
+            better.append("right more often")
+        if row["faster"]:
+            better.append("faster")
         if len(worse):
             texts.append(f"worse: {', '.join(worse)}")
-        elif applying:
-            texts.append(f"better: {', '.join(applying)}")
+        elif better:
+            texts.append(f"better: {', '.join(better)}")
         elif row["same_code"]:
             texts.append("same code")
         else:
