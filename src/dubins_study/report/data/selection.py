@@ -81,18 +81,7 @@ def select_attempts(
     first_rows = rows.iloc[places]
     limit_of_folder = {n: manifest.time_limit_s or np.nan for n, manifest in enumerate(manifests)}
     limits = first_rows["limit_s"].fillna(first_rows["folder"].map(limit_of_folder))
-    machines = first_rows["experiment"].map(_own_machines(first_rows))
-    undecided = first_rows["verdict"].eq("undecided")
-    # One undecided attempt opens the question for all solvers.
-    left_open = undecided.groupby([first_rows[name] for name in _QUESTION]).transform("any")
-    added = {
-        "experiment": first_rows["experiment"],
-        "answerable": _answerable(first_rows) & ~left_open,
-        "left_open": left_open,
-        "late": first_rows["wall_s"] > limits,
-        "elsewhere": first_rows["machine"].notna() & first_rows["machine"].ne(machines),
-    }
-    for name, values in added.items():
+    for name, values in _added_columns(first_rows, limits).items():
         counted = counted.append_column(name, pa.array(values, from_pandas=True))
     place = counted.schema.get_field_index("limit_s")
     filled = pa.array(limits, pa.float64(), from_pandas=True)
@@ -109,6 +98,24 @@ def select_attempts(
         )
         for n, manifest in enumerate(manifests)
     ]
+
+
+def _added_columns(rows: pd.DataFrame, limits: pd.Series[float]) -> dict[str, pd.Series]:
+    """The columns that `select_attempts` adds.
+
+    `limits` are the time limits of the rows, s.
+    """
+    machines = rows["experiment"].map(_own_machines(rows))
+    undecided = rows["verdict"].eq("undecided")
+    # One undecided attempt opens the question for all solvers.
+    left_open = undecided.groupby([rows[name] for name in _QUESTION]).transform("any")
+    return {
+        "experiment": rows["experiment"],
+        "answerable": _answerable(rows) & ~left_open,
+        "left_open": left_open,
+        "late": rows["wall_s"] > limits,
+        "elsewhere": rows["machine"].notna() & rows["machine"].ne(machines),
+    }
 
 
 def _own_machines(rows: pd.DataFrame) -> dict[str, str | None]:

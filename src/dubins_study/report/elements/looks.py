@@ -9,7 +9,7 @@ from collections import Counter
 from collections.abc import Hashable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import count, cycle
-from typing import Any, NamedTuple, Self
+from typing import Any, NamedTuple, Self, TypeAlias
 
 import pandas as pd
 
@@ -23,6 +23,7 @@ from dubins_study.study.words import FORMULATION_LIST
 
 _FORMULATIONS = {formulation.name: formulation.short for formulation in FORMULATION_LIST}
 _MOST_CHARACTERS = 70
+Names: TypeAlias = Mapping[str, str]  # solver -> its name
 
 
 @once
@@ -108,7 +109,7 @@ def distinct(labels: Sequence[str]) -> list[str]:
 _KEPT = 2  # items of a short name that a figure always shows: engine and formulation
 
 
-def figure_names(labels: Mapping[str, str]) -> dict[str, str]:
+def figure_names(labels: Names) -> dict[str, str]:
     """Map each solver to its name in a figure.
 
     `labels` maps each solver to its short name. The figure's name keeps engine and formulation. It
@@ -139,7 +140,7 @@ def common_part(names: Sequence[str]) -> tuple[str, list[str]]:
     names = distinct([one_line(name, _MOST_IN_PANEL) for name in names])
     tails = {name.partition(", ")[2] for name in names}
     # An engine whose only guess is the usual one, or that needs none, does not name it: with
-    # `Ipopt, bearing start` and `Brent` the tail "bearing start" is shared.
+    # `Ipopt, bearing start` and `OSQP` the tail `bearing start` is shared.
     if tails > {_USUAL_START}:
         tails.discard("")
     all_share_a_tail = len(tails) == 1 and tails != {""}
@@ -229,7 +230,7 @@ class Palette:
     hues: dict[str, tuple[str, str]]  # engine -> colour and marker
     # spec -> its engine; a spec that is missing counts as an engine by its solver's name
     engines: Mapping[str, str] = field(default_factory=dict)
-    labels: Mapping[str, str] = field(default_factory=dict)  # spec -> its short name on the page
+    labels: Names = field(default_factory=dict)  # spec -> its short name on the page
 
     @classmethod
     def of_page(cls, results: Results) -> Self:

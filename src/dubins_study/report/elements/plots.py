@@ -22,7 +22,7 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import LogLocator
 
 from dubins_study.report.data.attempts import own_name
-from dubins_study.report.elements.looks import BEHIND, Palette, common_part, one_line
+from dubins_study.report.elements.looks import BEHIND, Names, Palette, common_part, one_line
 from dubins_study.report.elements.style import (
     HALF,
     INK,
@@ -245,7 +245,7 @@ def _name(ax: Axes, rows: pd.DataFrame, size: float) -> None:
 
 def share_curves(
     shares: Mapping[str, pd.DataFrame],
-    names: Mapping[str, str],
+    names: Names,
     palette: Palette,
     xlabel: str,
     ylabel: str = "share of questions",
@@ -306,7 +306,7 @@ def share_curves(
     return figure
 
 
-def _draw_shares(ax: Axes, table: pd.DataFrame, names: Mapping[str, str], palette: Palette) -> None:
+def _draw_shares(ax: Axes, table: pd.DataFrame, names: Names, palette: Palette) -> None:
     """Draw each column of a table as steps.
 
     Columns with a name are in colour, and in the legend below the axes; others are grey.

@@ -157,8 +157,9 @@ def _lead(rows: pd.DataFrame) -> str:
     if exact.empty:
         return "If you only need the path, use the closed form."
     right = int(exact.groupby("question")["right"].min().sum())
-    routes = ", or the search with a proof where there are via points"
-    where = routes if legs_of(rows).gt(1).any() else ""
+    where = ""
+    if legs_of(rows).gt(1).any():
+        where = ", or the search with a proof where there are via points"
     return (
         f"If you only need the path, use the closed form{where}: right in time on "
         f"{count(right)} of {some(exact['question'].nunique(), 'question')}."
@@ -245,10 +246,13 @@ def _line(methods: pd.DataFrame, end: Mapping[Any, float]) -> dict[str, Any]:
     guesses = str(first["guesses"])
     is_plugin = bool(own_name(first["solver"]))
     shares = (end["longer"], end["misses"], end["none"] + end["late"], end["not asked"])
+    name = formulation
+    if guesses not in _NO_GUESS:
+        name += f", {guesses}"
     line: dict[str, Any] = {
         "formulation": formulation,
         "guesses": guesses,
-        "method": formulation if guesses in _NO_GUESS else f"{formulation}, {guesses}",
+        "method": name,
         "knows": " ".join(sorted(set(methods["knows"].str.cat(sep=" ").split()))),
         "mine": is_plugin,
         "suites": len(methods),
@@ -262,7 +266,9 @@ def _line(methods: pd.DataFrame, end: Mapping[Any, float]) -> dict[str, Any]:
         text = text.replace(" to ", "\u00a0to\u00a0")  # an interval stays on one line
         if method["sample"]:
             text += f" of {count(method['trials'])}"
-        line[f"suite_{method['place']}"] = text if is_plugin else f"{method['solver']}\n{text}"
+        if not is_plugin:
+            text = f"{method['solver']}\n{text}"
+        line[f"suite_{method['place']}"] = text
     return line
 
 

@@ -55,7 +55,9 @@ def _named(evidence: Evidence, *solvers: str) -> str:
     """
     words_given = all("words" in evidence.knows(solver).split() for solver in solvers)
     names = " and ".join(map(evidence.name, solvers))
-    return f"{names} (given the words)" if words_given else names
+    if words_given:
+        names += " (given the words)"
+    return names
 
 
 def _search(evidence: Evidence) -> pd.DataFrame:
@@ -104,7 +106,9 @@ def proof_of_routes(evidence: Evidence) -> Finding | None:
     if proved is None or len(both) < ENOUGH_TO_CHOOSE or {*names} & {*evidence.at_floor}:
         return None
     engines = evidence.methods["engine"][names]
-    short = engines if engines.is_unique else evidence.methods["name"]
+    short = engines
+    if not engines.is_unique:
+        short = evidence.methods["name"]
     ratios: list[Estimate] = []
     compared: list[str] = []
     left_out: list[str] = []
@@ -129,7 +133,9 @@ def proof_of_routes(evidence: Evidence) -> Finding | None:
     rival = chosen_share(line["share"], int(line["trials"]), len(ranked) * evidence.of)
     most = search["legs"].max()
     longest = search.loc[search["legs"] == most, "wall_s"].median()
-    rest = f"; too few to compare: {', '.join(left_out)}" if left_out else ""
+    rest = ""
+    if left_out:
+        rest = f"; too few to compare: {', '.join(left_out)}"
     return Finding(
         f"Use the search for a route: within its limit it proves {proved.percent_text()} of the "
         f"routes of 2 to {most} legs.",
@@ -169,8 +175,9 @@ def where_engines_stop(evidence: Evidence) -> Finding | None:
     if proved.empty or not proved.mean() > share.high:
         return None
     legs = f"{chosen['legs'].min()} to {chosen['legs'].max()} legs"
-    enough = share.questions >= ENOUGH_TO_CHOOSE
-    named = f", {_named(evidence, ranked.index[0])}," if enough else ""
+    named = ""
+    if share.questions >= ENOUGH_TO_CHOOSE:
+        named = f", {_named(evidence, ranked.index[0])},"
     routes = some(share.questions, "route")
     return Finding(
         f"Do not trust an engine alone with routes of many {label}: the best supported finds the "
@@ -226,7 +233,9 @@ def growth(evidence: Evidence) -> Finding | None:
         return None
 
     def name_of(solver: str) -> str:
-        return "the search with a proof" if solver == EXACT else evidence.name(solver)
+        if solver == EXACT:
+            return "the search with a proof"
+        return evidence.name(solver)
 
     def named(solver: str) -> str:
         """A solver's name with two median times.

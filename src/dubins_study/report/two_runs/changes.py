@@ -153,7 +153,7 @@ def solver_changes(base: Results, new: Results, pairs: pd.DataFrame) -> pd.DataF
 def _answers(answerable: pd.DataFrame) -> dict[str, object]:
     """How one solver's answers changed.
 
-    The questions have a path. `right_p` is not corrected yet, and NaN if no question differs.
+    The questions have a path. `right_p` is not corrected yet, and NaN without questions.
     """
     # costs of the sign test: the share of wrong repeats
     test = sign_test(1 - answerable["right_new"], 1 - answerable["right_base"])
