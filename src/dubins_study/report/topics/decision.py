@@ -182,12 +182,7 @@ def _table(attempts: Compared, rows: pd.DataFrame, *, few: bool, each: bool) -> 
         rows["experiment"].unique(),
         key=lambda name: (first_seen.index(name.partition(",")[0]), name),
     )
-    best = best_supported(rows).reset_index()
-    best = best[each | (best["trials"] >= ENOUGH_TO_CHOOSE) | best["solver"].map(own_name).ne("")]
-    best["knows"] = best["solver"].map(rows.groupby("solver")["knows"].first())
-    best["place"] = best["experiment"].map(experiments.index)
-    most_asked = best.groupby("place")["trials"].transform("max")
-    best["sample"] = best["trials"] < ENOUGH_ASKED * most_asked
+    best = _chosen(rows, experiments, each=each)
     lines = [
         _line(methods, ended[kind]) | {"stops": stop.get(kind, "")}
         for kind, methods in best.groupby(_KIND, sort=False)
@@ -196,13 +191,44 @@ def _table(attempts: Compared, rows: pd.DataFrame, *, few: bool, each: bool) -> 
     frame = pd.DataFrame(lines).sort_values(
         ["mine", "suites", "sure"], ascending=False, ignore_index=True
     )
-    first_title = "method" if each else "formulation, guesses"
+    first_title = "formulation, guesses"
+    if each:
+        first_title = "method"
     shown = (
         *columns(kind="text", method=first_title, knows="knows"),
         *(Column(f"suite_{n}", name, kind="pick spec") for n, name in enumerate(experiments)),
         *columns(kind="cell", errs="longer / misses / none / unasked, %"),
         *columns(kind="cell", false="false claims", stops="legs"),
     )
+    if not stop:
+        shown = shown[:-1]
+    caption = _caption(experiments, few=few, each=each, routes=bool(stop))
+    numbers = ("formulation", "guesses", *_SHARES, "false_claims", "asked")
+    bad = {(row, "false"): mark for (row, _), mark in marks(frame, "false_claims").items()}
+    return Table("decision", caption, frame, shown, bad, numbers, stacked=True)
+
+
+def _chosen(rows: pd.DataFrame, experiments: list[str], *, each: bool) -> pd.DataFrame:
+    """The methods that the table shows, as in `best_supported`.
+
+    Three columns are added: knows; place (of the experiment in `experiments`); sample (whether the
+    method was asked a part of the questions only). Without `each`, a method of few questions is
+    left out, unless it is a plug-in's.
+    """
+    best = best_supported(rows).reset_index()
+    best = best[each | (best["trials"] >= ENOUGH_TO_CHOOSE) | best["solver"].map(own_name).ne("")]
+    best["knows"] = best["solver"].map(rows.groupby("solver")["knows"].first())
+    best["place"] = best["experiment"].map(experiments.index)
+    most_asked = best.groupby("place")["trials"].transform("max")
+    best["sample"] = best["trials"] < ENOUGH_ASKED * most_asked
+    return best
+
+
+def _caption(experiments: list[str], *, few: bool, each: bool, routes: bool) -> str:
+    """The table's caption.
+
+    `routes`: whether the table has the column of legs.
+    """
     caption = "The share right with its 95 % interval (Wilson), then how the attempts end."
     if not each:
         caption = (
@@ -215,16 +241,12 @@ def _table(attempts: Compared, rows: pd.DataFrame, *, few: bool, each: bool) -> 
     caption += " None: no path in time. False claims: of attempts made."
     if any("circle" in name for name in experiments):
         caption += f" Near a circle: the target lies within {_NEAR:g} R of a turning circle."
-    if stop:
+    if routes:
         caption += (
             " Legs: the size up to which some engine is right on most routes, for each spacing, "
             "long to short."
         )
-    else:
-        shown = shown[:-1]
-    numbers = ("formulation", "guesses", *_SHARES, "false_claims", "asked")
-    bad = {(row, "false"): mark for (row, _), mark in marks(frame, "false_claims").items()}
-    return Table("decision", caption, frame, shown, bad, numbers, stacked=True)
+    return caption
 
 
 def _equal(spec: str) -> bool:

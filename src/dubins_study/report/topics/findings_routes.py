@@ -206,15 +206,11 @@ def growth(evidence: Evidence) -> Finding | None:
     answered: dict[str, pd.DataFrame] = {}
     usual = evidence.met_most(rows).index
     for solver in [EXACT, *usual.difference(evidence.at_floor, sort=False)]:
-        solver_rows = rows[rows["solver"] == solver]
-        done = solver_rows["right"] & solver_rows["claim"].ne("limit")
-        share = done.groupby(solver_rows["legs"]).mean()
-        sizes = share.index[share > 0.5]
-        if len(sizes) < _SIZES or sizes.max() < largest:
+        routes = _answered_sizes(rows[rows["solver"] == solver])
+        by_size = routes.groupby("legs")["question"].nunique()
+        if len(by_size) < _SIZES or by_size.index[-1] < largest:
             continue
-        routes = solver_rows[done & solver_rows["legs"].isin(sizes)]
-        at_ends = routes.groupby("legs")["question"].nunique()[[sizes.min(), largest]]
-        if at_ends.min() >= _AT_ENDS:
+        if by_size.iloc[[0, -1]].min() >= _AT_ENDS:
             answered[solver] = routes
     several = len(answered) * evidence.of
     powers = {
@@ -264,6 +260,16 @@ def growth(evidence: Evidence) -> Finding | None:
         f"{'; '.join(others)}",
         TITLE,
     )
+
+
+def _answered_sizes(rows: pd.DataFrame) -> pd.DataFrame:
+    """A solver's right answers, of the sizes that it answers.
+
+    It answers a size if it is right on most routes of that size, before a limit ends the attempt.
+    """
+    done = rows["right"] & rows["claim"].ne("limit")
+    share = done.groupby(rows["legs"]).mean()
+    return rows[done & rows["legs"].isin(share.index[share > 0.5])]
 
 
 def exponent(legs: FloatArray, wall_s: FloatArray, of: int = 1) -> Estimate:
