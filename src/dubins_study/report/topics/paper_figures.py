@@ -8,7 +8,6 @@ from collections.abc import Iterable, Mapping
 from matplotlib.axes import Axes
 from matplotlib.patches import Circle
 
-from dubins_study.report.data.attempts import EXACT
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.content import Picture, Place, Section, Topic, picture
 from dubins_study.report.elements.formats import digits
@@ -94,7 +93,7 @@ def plot_start_and_target(
 
 def figures_section(results: Results) -> Section | None:
     """The section with Figures 6.1-6.5."""
-    paths_of_words = word_paths(results, EXACT)
+    paths_of_words = word_paths(results)
     if not paths_of_words:
         return None
     pictures = []
