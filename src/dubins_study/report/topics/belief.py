@@ -251,8 +251,14 @@ def _picture(table: pd.DataFrame) -> Picture:
         "with false claims."
     )
     alt = "Stacked bars of true, weak, silent and false claims, by formulation"
-    counted = shown["false_claims"].map(count).where(shown["false_claims"] > 0, "")
-    notes = counted + few.map({True: "†", False: ""})
+    notes = []
+    for false_count, is_few in zip(shown["false_claims"], few, strict=True):
+        note = ""
+        if false_count:
+            note = count(false_count)
+        if is_few:
+            note += "†"
+        notes.append(note)
     return panels_picture("belief-claims", caption, _bars, alt, shown.assign(note=notes))
 
 

@@ -244,8 +244,7 @@ def growth(evidence: Evidence) -> Finding | None:
     def doubled(solver: str) -> str:
         """The factor for twice as many legs, as text."""
         slope = powers[solver]
-        factor = slope._replace(value=2**slope.value, low=2**slope.low, high=2**slope.high)
-        return factor.text()
+        return slope._replace(value=2**slope.value, low=2**slope.low, high=2**slope.high).text()
 
     others = [f"{named(least)} by {doubled(least)}"]
     if EXACT in powers and EXACT not in (least, most):
