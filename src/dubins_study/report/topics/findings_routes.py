@@ -206,7 +206,7 @@ def growth(evidence: Evidence) -> Finding | None:
     answered: dict[str, pd.DataFrame] = {}
     usual = evidence.met_most(rows).index
     for solver in [EXACT, *usual.difference(evidence.at_floor, sort=False)]:
-        routes = _answered_sizes(rows[rows["solver"] == solver])
+        routes = _mastered(rows[rows["solver"] == solver])
         by_size = routes.groupby("legs")["question"].nunique()
         if len(by_size) < _SIZES or by_size.index[-1] < largest:
             continue
@@ -261,10 +261,10 @@ def growth(evidence: Evidence) -> Finding | None:
     )
 
 
-def _answered_sizes(rows: pd.DataFrame) -> pd.DataFrame:
-    """A solver's right answers, of the sizes that it answers.
+def _mastered(rows: pd.DataFrame) -> pd.DataFrame:
+    """A solver's right answers at the sizes it masters.
 
-    It answers a size if it is right on most routes of that size, before a limit ends the attempt.
+    It masters a size if it is right on most routes of that size, before a limit ends the attempt.
     """
     done = rows["right"] & rows["claim"].ne("limit")
     share = done.groupby(rows["legs"]).mean()

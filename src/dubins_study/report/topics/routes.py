@@ -554,7 +554,7 @@ def _write(
     edge = unit * (ax.dataLim.get_points() + np.array((-margin, margin)))
 
     def cost_of(at: FloatArray, size: FloatArray, number: int) -> FloatArray:
-        """The cost of each place for a text; the least one wins."""
+        """The cost of each place for a text."""
         crossed = (np.abs(unit * along - at[:, None]) < size + 1).all(axis=2).any(axis=1)
         beyond = ((at - size < edge[0]) | (at + size > edge[1])).any(axis=1)
         away = np.linalg.norm(unit * points - at[:, None], axis=2)
@@ -578,6 +578,7 @@ def _write(
             # 2 pt apart: a dot is as large, and two numbers side by side would be read as one
             free = ~(np.abs(places - at[:, None]) < sizes + size + 2).all(axis=2).any(axis=1)
             if free.any():
+                # the least cost wins
                 best = int(np.where(free, cost_of(at, size, number), np.inf).argmin())
                 places = np.vstack((places, at[best]))
                 sizes = np.vstack((sizes, size))
