@@ -32,7 +32,7 @@ _MAX_LISTED = 5
 def merged_rows(
     tables: Sequence[pa.Table], folders: Sequence[FilePath], tolerance: float
 ) -> tuple[pa.Table, int]:
-    """The earliest row per cell, and the number of repeats.
+    """The earliest row per cell, and the repeats' number.
 
     A repeat is a later attempt at the same cell, which agrees. Copies of the kept row do not count.
 
