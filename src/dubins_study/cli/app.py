@@ -246,8 +246,8 @@ def main() -> None:
 def _refuse(message: str) -> None:
     """End with exit code 2 and a message.
 
-    A line break before two spaces, which begin an item of a list, stays. Any other is written as an
-    escape.
+    A line break before two spaces stays: they begin an item of a list. Any other line break is
+    written as an escape.
     """
     lines = re.split(r"\n(?=  )", f"{PROGRAM}: {message}")
     print(*map(plain, lines), sep="\n", file=sys.stderr)

@@ -68,9 +68,9 @@ def not_asked(folder: FilePath, unit: WorkUnit) -> tuple[WorkUnit, list[Row]]:
 
 
 def _counts_as_solved(row: Row) -> bool:
-    """Whether a row lets its solver be asked larger questions.
+    """Whether a solver may be asked larger questions.
 
-    It does if the path may be the shortest, or if the solver could not be asked.
+    It may if the row's path may be the shortest, or if the solver could not be asked.
     """
     may_be_shortest = row["verdict"] in (Verdict.OPTIMAL, Verdict.UNDECIDED)
     return may_be_shortest or row["outcome"] in _UNTOLD

@@ -32,9 +32,9 @@ _MAX_LISTED = 5
 def merged_rows(
     tables: Sequence[pa.Table], folders: Sequence[FilePath], tolerance: float
 ) -> tuple[pa.Table, int]:
-    """The earliest row per cell, and how many repeats agree.
+    """The earliest row per cell, and the repeats' number.
 
-    A repeat is a later attempt at the same cell. Copies of the kept row do not count.
+    A repeat is a later attempt at the same cell, which agrees. Copies of the kept row do not count.
 
     Cells whose attempts contradict each other (gaps differ by more than the tolerance) are refused.
     """

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from functools import cache
 from importlib.metadata import entry_points
+from typing import TypeAlias
 
 import numpy as np
 import pandas as pd
@@ -12,6 +13,7 @@ import pandas as pd
 from dubins_study.study.scenario_frame import numbers_of
 from dubins_study.study.specs import name_of, plugin_file
 
+Mask: TypeAlias = "pd.Series[bool]"  # of rows
 # The closed form; its rows fill the maps of the plane.
 EXACT = "analytic"
 # The verdict on an answer of the presolve counts as a verdict of its own: no engine was asked.
@@ -78,12 +80,12 @@ def legs_of(rows: pd.DataFrame) -> pd.Series[int]:
     return (via + ends).astype(int)
 
 
-def is_true(values: pd.Series) -> pd.Series[bool]:
+def is_true(values: pd.Series) -> Mask:
     """A mask of true values; missing ones are false."""
     return values.eq(True).fillna(False).astype(bool)
 
 
-def first_true(conditions: Mapping[str, pd.Series[bool]], default: str) -> pd.Series[str]:
+def first_true(conditions: Mapping[str, Mask], default: str) -> pd.Series[str]:
     """The name of the first condition that holds.
 
     `conditions` maps names to masks of the same rows. Rows where none holds have `default`.
@@ -92,7 +94,7 @@ def first_true(conditions: Mapping[str, pd.Series[bool]], default: str) -> pd.Se
     return pd.Series(np.select(masks, list(conditions), default), masks[0].index)
 
 
-def false_claims(rows: pd.DataFrame) -> pd.Series[bool]:
+def false_claims(rows: pd.DataFrame) -> Mask:
     """A mask of claims that are certainly false.
 
     A path that misses is excused if the engine's tolerance may explain its miss. It may be up to
@@ -105,7 +107,7 @@ def false_claims(rows: pd.DataFrame) -> pd.Series[bool]:
     return is_true(rows["false_claim"]) & ~(rows["verdict"].eq("misses") & explained)
 
 
-def presolved(rows: pd.DataFrame) -> pd.Series[bool]:
+def presolved(rows: pd.DataFrame) -> Mask:
     """A mask of attempts that the presolve answered correctly.
 
     The presolve was right that no path exists, and no engine was asked. The column `presolved` may
@@ -137,7 +139,7 @@ def weights(rows: pd.DataFrame) -> pd.Series[float]:
     return 1.0 / trials["solver"].transform("size")
 
 
-def questions(attempts: pd.DataFrame, which: pd.Series[bool]) -> pd.Series[float]:
+def questions(attempts: pd.DataFrame, which: Mask) -> pd.Series[float]:
     """The number of questions in each solver's attempts.
 
     `which` is a mask of the attempts that count, and the result is indexed by solver. It sums the

@@ -12,6 +12,7 @@ import numpy as np
 import pandas as pd
 import pyarrow as pa
 
+from dubins_study.report.data.attempts import Mask
 from dubins_study.study.kinds.table import kind_of
 from dubins_study.study.rows.manifest import Manifest
 from dubins_study.study.rows.repeated import JUDGED, compare_attempts, differences
@@ -80,18 +81,7 @@ def select_attempts(
     first_rows = rows.iloc[places]
     limit_of_folder = {n: manifest.time_limit_s or np.nan for n, manifest in enumerate(manifests)}
     limits = first_rows["limit_s"].fillna(first_rows["folder"].map(limit_of_folder))
-    machines = first_rows["experiment"].map(_own_machines(first_rows))
-    undecided = first_rows["verdict"].eq("undecided")
-    # One undecided attempt opens the question for all solvers.
-    left_open = undecided.groupby([first_rows[name] for name in _QUESTION]).transform("any")
-    added = {
-        "experiment": first_rows["experiment"],
-        "answerable": _answerable(first_rows) & ~left_open,
-        "left_open": left_open,
-        "late": first_rows["wall_s"] > limits,
-        "elsewhere": first_rows["machine"].notna() & first_rows["machine"].ne(machines),
-    }
-    for name, values in added.items():
+    for name, values in _added_columns(first_rows, limits).items():
         counted = counted.append_column(name, pa.array(values, from_pandas=True))
     place = counted.schema.get_field_index("limit_s")
     filled = pa.array(limits, pa.float64(), from_pandas=True)
@@ -108,6 +98,24 @@ def select_attempts(
         )
         for n, manifest in enumerate(manifests)
     ]
+
+
+def _added_columns(rows: pd.DataFrame, limits: pd.Series[float]) -> dict[str, pd.Series]:
+    """The columns that `select_attempts` adds.
+
+    `limits` are the time limits of the rows, s.
+    """
+    machines = rows["experiment"].map(_own_machines(rows))
+    undecided = rows["verdict"].eq("undecided")
+    # One undecided attempt opens the question for all solvers.
+    left_open = undecided.groupby([rows[name] for name in _QUESTION]).transform("any")
+    return {
+        "experiment": rows["experiment"],
+        "answerable": _answerable(rows) & ~left_open,
+        "left_open": left_open,
+        "late": rows["wall_s"] > limits,
+        "elsewhere": rows["machine"].notna() & rows["machine"].ne(machines),
+    }
 
 
 def _own_machines(rows: pd.DataFrame) -> dict[str, str | None]:
@@ -138,7 +146,7 @@ def _other_limits(rows: pd.DataFrame) -> pd.Series[int]:
     return other.drop_duplicates(["folder", "scenario_id", "branch"]).groupby("folder").size()
 
 
-def _is_current(rows: pd.DataFrame, manifests: Sequence[Manifest]) -> pd.Series[bool]:
+def _is_current(rows: pd.DataFrame, manifests: Sequence[Manifest]) -> Mask:
     """A mask of the rows made by current code.
 
     The manifest of the row's folder names the current code digest of each solver; `status` compares
@@ -152,7 +160,7 @@ def _is_current(rows: pd.DataFrame, manifests: Sequence[Manifest]) -> pd.Series[
 
 
 def _row_counts(
-    current: pd.Series[bool], pairs: pd.DataFrame, gap_tolerance: float, other_limits: int
+    current: Mask, pairs: pd.DataFrame, gap_tolerance: float, other_limits: int
 ) -> RowCounts:
     """The counts of one folder's rows.
 
@@ -170,7 +178,7 @@ def _row_counts(
     )
 
 
-def _answerable(rows: pd.DataFrame) -> pd.Series[bool]:
+def _answerable(rows: pd.DataFrame) -> Mask:
     """A mask of rows whose question has an answer.
 
     A judged row has a reference word exactly if its question has an answer. For a row that was not

@@ -9,7 +9,7 @@ from collections import Counter
 from collections.abc import Hashable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import count, cycle
-from typing import Any, NamedTuple, Self
+from typing import Any, NamedTuple, Self, TypeAlias
 
 import pandas as pd
 
@@ -23,6 +23,7 @@ from dubins_study.study.words import FORMULATION_LIST
 
 _FORMULATIONS = {formulation.name: formulation.short for formulation in FORMULATION_LIST}
 _MOST_CHARACTERS = 70
+Names: TypeAlias = Mapping[str, str]  # solver -> its name
 
 
 @once
@@ -108,7 +109,7 @@ def distinct(labels: Sequence[str]) -> list[str]:
 _KEPT = 2  # items of a short name that a figure always shows: engine and formulation
 
 
-def figure_names(labels: Mapping[str, str]) -> dict[str, str]:
+def figure_names(labels: Names) -> dict[str, str]:
     """Map each solver to its name in a figure.
 
     `labels` maps each solver to its short name. The figure's name keeps engine and formulation. It
@@ -138,10 +139,12 @@ def common_part(names: Sequence[str]) -> tuple[str, list[str]]:
     """
     names = distinct([one_line(name, _MOST_IN_PANEL) for name in names])
     tails = {name.partition(", ")[2] for name in names}
-    # An engine whose only guess is the usual one, or that needs none, does not name it.
+    # An engine whose only guess is the usual one, or that needs none, does not name it: with
+    # `Ipopt, bearing start` and `OSQP` the tail `bearing start` is shared.
     if tails > {_USUAL_START}:
         tails.discard("")
-    if len(names) < 2 or len(tails) > 1 or tails == {""}:
+    all_share_a_tail = len(tails) == 1 and tails != {""}
+    if len(names) < 2 or not all_share_a_tail:
         return "", names
     return f" ({tails.pop()})", [name.partition(", ")[0] for name in names]
 
@@ -210,12 +213,12 @@ class Look(NamedTuple):
     line: LineStyle
 
     @property
-    def dots(self) -> dict[str, Any]:
+    def dots(self) -> style.Style:
         """Keywords for markers without a line."""
         return {"color": self.colour, "marker": self.marker, "linestyle": "none"}
 
     @property
-    def lines(self) -> dict[str, Any]:
+    def lines(self) -> style.Style:
         """Keywords for a line without markers."""
         return {"color": self.colour, "linestyle": self.line}
 
@@ -227,7 +230,7 @@ class Palette:
     hues: dict[str, tuple[str, str]]  # engine -> colour and marker
     # spec -> its engine; a spec that is missing counts as an engine by its solver's name
     engines: Mapping[str, str] = field(default_factory=dict)
-    labels: Mapping[str, str] = field(default_factory=dict)  # spec -> its short name on the page
+    labels: Names = field(default_factory=dict)  # spec -> its short name on the page
 
     @classmethod
     def of_page(cls, results: Results) -> Self:
@@ -267,7 +270,8 @@ class Palette:
         dashes = {hue.light: place for place, hue in enumerate(style.ENGINE_HUES)}
         for spec in solver_order(list(specs)):
             colour, marker = self.hues[self.engines.get(spec, parse_spec(spec)[0])]
-            place = used[colour] = used.get(colour, -1) + 1  # the n-th solver of this hue, from 0
+            place = used.get(colour, -1) + 1  # the n-th solver of this hue, from 0
+            used[colour] = place
             line = LINES[(dashes.get(colour, 0) + place) % len(LINES)]
             result[spec] = Look(colour, marker, line)
         return result

@@ -22,7 +22,7 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import LogLocator
 
 from dubins_study.report.data.attempts import own_name
-from dubins_study.report.elements.looks import BEHIND, Palette, common_part, one_line
+from dubins_study.report.elements.looks import BEHIND, Names, Palette, common_part, one_line
 from dubins_study.report.elements.style import (
     HALF,
     INK,
@@ -245,7 +245,7 @@ def _name(ax: Axes, rows: pd.DataFrame, size: float) -> None:
 
 def share_curves(
     shares: Mapping[str, pd.DataFrame],
-    names: Mapping[str, str],
+    names: Names,
     palette: Palette,
     xlabel: str,
     ylabel: str = "share of questions",
@@ -306,7 +306,7 @@ def share_curves(
     return figure
 
 
-def _draw_shares(ax: Axes, table: pd.DataFrame, names: Mapping[str, str], palette: Palette) -> None:
+def _draw_shares(ax: Axes, table: pd.DataFrame, names: Names, palette: Palette) -> None:
     """Draw each column of a table as steps.
 
     Columns with a name are in colour, and in the legend below the axes; others are grey.
@@ -343,34 +343,26 @@ def _draw_shares(ax: Axes, table: pd.DataFrame, names: Mapping[str, str], palett
     percent_axis(ax.yaxis)
 
 
-def parameter_lines(
-    table: pd.DataFrame,
-    x: str,
-    y: str,
-    palette: Palette,
-    xlabel: str,
-    ylabel: str,
-    *,
-    height: float,
-) -> Figure:
-    """Draw lines over a parameter, both axes logarithmic.
+def parameter_lines(table: pd.DataFrame, palette: Palette, xlabel: str, ylabel: str) -> Figure:
+    """Draw lines over a size, both axes logarithmic.
 
     Each name has a line. Its marks are open and their size grows from line to line, so that lines
-    that coincide stay visible. Columns: solver, name (in the legend), and those that `x` and `y`
-    name. Only positive finite values are drawn.
+    that coincide stay visible. Columns: solver, name (in the legend), size and value. Only positive
+    finite values are drawn.
     """
-    shown = table[np.isfinite(table[y].astype(float)) & (table[y] > 0)]
+    values = table["value"]
+    shown = table[np.isfinite(values.astype(float)) & (values > 0)]
     looks = palette.looks(shown["solver"])
     groups = shown.groupby("name", sort=False)
     growth = min(1.2, 4 / max(len(groups), 1))
-    figure = new_figure(HALF, height)
+    figure = new_figure(HALF, 3.7)
     ax = figure.subplots()
     handles: dict[str, Artist] = {}
     for place, (name, group) in enumerate(groups):
         look = looks[group["solver"].iloc[0]]
         (handles[str(name)],) = ax.plot(
-            group[x],
-            group[y],
+            group["size"],
+            group["value"],
             marker=_MARKERS[place % len(_MARKERS)],
             markerfacecolor="none",
             markersize=3.5 + growth * place,

@@ -24,7 +24,7 @@ from decimal import Decimal
 from difflib import unified_diff
 from fractions import Fraction
 from itertools import chain, product
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from flint import arb, ctx
 
@@ -54,10 +54,10 @@ from dubins_study.report.paper.printed import (
     WORDS,
     PrintedRow,
     Problem,
+    Record,
 )
 from dubins_study.study.check.enclosure import right_left_solutions
 
-Record = dict[str, Any]
 DOUBLE = "double rounding"
 CUT = "truncated"
 BIAS = "solver bias reproduced"

@@ -13,7 +13,7 @@ import tomllib
 from fractions import Fraction
 from functools import lru_cache
 from importlib.resources import files
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeAlias
 
 from dubins_study.study.scenario import Scenario
 
@@ -21,6 +21,7 @@ from dubins_study.study.scenario import Scenario
 TITLE = "Mathematical Model for Optimal Dubins Path to Intercept a Stationary Target"
 CITATION = f"“{TITLE}” (authors and year unknown to this study)"
 
+Record: TypeAlias = dict[str, Any]
 QUANTITIES = ("z1", "z2", "z3", "f")
 WORDS = ("LS", "RS")
 CORRECT = "correct rounding"
@@ -70,7 +71,7 @@ class PrintedRow(NamedTuple):
             return "RS"
         return "LS"
 
-    def record(self) -> dict[str, Any]:
+    def record(self) -> Record:
         """The fields that identify the row in a record."""
         return {"table": self.table, "label": self.label, "path": self.path, "word": self.word}
 
@@ -83,12 +84,12 @@ PRINTED = [
 
 
 @lru_cache(maxsize=1)
-def committed() -> dict[str, Any]:
+def committed() -> Record:
     """The committed audit, a stored result of `report.paper.audit.audit`."""
-    record: dict[str, Any] = json.loads((_FOLDER / "audit.json").read_text(encoding="utf-8"))
+    record: Record = json.loads((_FOLDER / "audit.json").read_text(encoding="utf-8"))
     return record
 
 
-def misprints(audit: dict[str, Any]) -> list[dict[str, Any]]:
+def misprints(audit: Record) -> list[Record]:
     """The printed cells that are not correct roundings."""
     return [cell for cell in audit["cells"] if cell["verdict"] != CORRECT]

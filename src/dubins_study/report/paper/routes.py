@@ -11,9 +11,9 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from fractions import Fraction
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
-from dubins_study.report.paper.printed import NUMBERS
+from dubins_study.report.paper.printed import NUMBERS, Record
 from dubins_study.study.check.verdict import words_of
 from dubins_study.study.kinds.table import reference_of
 from dubins_study.study.scenario import Scenario
@@ -38,7 +38,7 @@ class PrintedRoute(NamedTuple):
 PRINTED_ROUTES = [PrintedRoute(**each) for each in NUMBERS["routes"]]
 
 
-def audit_routes(scenarios: Iterable[Scenario]) -> list[dict[str, Any]]:
+def audit_routes(scenarios: Iterable[Scenario]) -> list[Record]:
     """A record for each published length.
 
     It has the printed length, our length, the proven interval and the verdict.
@@ -68,9 +68,7 @@ def audit_routes(scenarios: Iterable[Scenario]) -> list[dict[str, Any]]:
     return records
 
 
-def compared(
-    printed: str, length: float, low: float | Fraction, high: float | Fraction
-) -> dict[str, Any]:
+def compared(printed: str, length: float, low: float | Fraction, high: float | Fraction) -> Record:
     """Compare a printed length with ours.
 
     The result has `difference` (printed - ours) and `verdict`. The numbers that round to the

@@ -209,8 +209,7 @@ def scenario_counts(scenarios: int, resamples: int, seed: int = 0) -> FloatArray
     if not scenarios:
         return np.zeros((resamples, 0))
     equal = np.full(scenarios, 1 / scenarios)
-    counts = np.random.default_rng(seed).multinomial(scenarios, equal, resamples)
-    return counts.astype(np.float64)
+    return np.random.default_rng(seed).multinomial(scenarios, equal, resamples).astype(np.float64)
 
 
 def medians(values: FloatArray, weights: FloatArray) -> FloatArray:

@@ -126,8 +126,7 @@ def best_methods(frame: pd.DataFrame, keys: list[str]) -> pd.DataFrame:
     The chosen rows come back in the order of the frame.
     """
     ranked = _ranked(frame.reset_index(drop=True))
-    places = ranked.drop_duplicates(keys).index
-    return frame.iloc[sorted(places)]
+    return frame.iloc[sorted(ranked.drop_duplicates(keys).index)]
 
 
 def _ranked(frame: pd.DataFrame, low: str = "right_low") -> pd.DataFrame:
@@ -178,7 +177,7 @@ def foremost(scores: pd.Series[float], most: int = MOST_ENGINES) -> list[str]:
     back in the order of the index. A figure draws the other curves in grey.
     """
     best = scores.sort_values(ascending=False, kind="stable").index
-    chosen = set([*own(best), *best][:most])
+    chosen = list(dict.fromkeys([*own(best), *best]))[:most]
     return [str(name) for name in scores.index if name in chosen]
 
 

@@ -15,7 +15,7 @@ from dubins_study.report.data.results import Results
 from dubins_study.report.elements.columns import columns, marks
 from dubins_study.report.elements.content import Place, Section, Table, Topic
 from dubins_study.report.elements.formats import count, digits, share
-from dubins_study.report.paper.printed import committed, misprints
+from dubins_study.report.paper.printed import Record, committed, misprints
 from dubins_study.report.paper.routes import PRINTED_ROUTES, SHORTEST, compared
 from dubins_study.report.topics.routes import with_legs
 
@@ -81,7 +81,7 @@ def audit_section(results: Results) -> Section | None:
     return Section("audit", "The audit of the paper", text, audit_tables(audit), lead)
 
 
-def audit_tables(audit: dict[str, Any]) -> tuple[Table, ...]:
+def audit_tables(audit: Record) -> tuple[Table, ...]:
     """Tables of an audit, one per kind of claim."""
     cells = pd.DataFrame(misprints(audit)).replace({"quantity": _SYMBOLS})
     paths = pd.DataFrame(audit["paths"])

@@ -18,7 +18,7 @@ from matplotlib.axes import Axes
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.content import Picture, Section, Topic, panels_picture
 from dubins_study.report.elements.formats import count, sentences, share, slug
-from dubins_study.report.elements.looks import names_of
+from dubins_study.report.elements.looks import Names, names_of
 from dubins_study.report.elements.plots import Mark
 from dubins_study.report.elements.style import MAP_PAPER
 from dubins_study.report.statistics.metrics import parse_spec, solver_order
@@ -232,7 +232,7 @@ def _cap(change: Mapping[bool, dict[str, float]]) -> str:
     )
 
 
-def _pictures(table: pd.DataFrame, names: Mapping[str, str]) -> list[Picture]:
+def _pictures(table: pd.DataFrame, names: Names) -> list[Picture]:
     """The maps of each scenario, one map per solver.
 
     A picture has at most `_ACROSS` maps side by side; further maps of the scenario follow in

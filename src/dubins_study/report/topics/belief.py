@@ -89,8 +89,9 @@ def claims(compared: Compared) -> pd.DataFrame:
     excess = above.where(high)
     false = false_claims(rows)
     misses = is_true(rows["false_claim"]) & ~false  # by its tolerance
-    # A bound whose tolerance is not known is false too: the comparison with NaN does not hold.
-    false |= high & ~(excess <= TOLERANCES * rows["tolerance"])
+    # Without a known tolerance nothing is explained: a comparison with NaN does not hold.
+    explained = excess <= TOLERANCES * rows["tolerance"]
+    false |= high & ~explained
     silent = claim.isin(_SILENT)
     less = silent & verdict.isin(["optimal", "longer"])
     less |= (claim == "feasible") & (verdict == "optimal")
@@ -161,8 +162,8 @@ def belief_section(results: Results) -> Section | None:
         return None
     names = attempts.methods
     table = names.join(beliefs(rows), how="inner")
-    table["attempts"] = rows[rows["truth"] == FALSE].groupby("solver").size()
-    table["attempts"] = table["attempts"].fillna(0)
+    table["false_claims"] = rows[rows["truth"] == FALSE].groupby("solver").size()
+    table["false_claims"] = table["false_claims"].fillna(0)
     sizes = rows.groupby("experiment")["question"].nunique()
     suites = rows.drop_duplicates(["solver", "experiment"])
     # questions of all suites that ask the method: so many it could have met
@@ -194,8 +195,10 @@ def _liars(rows: pd.DataFrame, table: pd.DataFrame) -> str:
     false = rows.loc[rows["truth"] == FALSE, "proof"]
     claimed = some(len(false), "false claim")
     kinds = [f"{_SHORT[str(kind)]}: {count(n)}" for kind, n in false.value_counts().items()]
-    listed = f" ({', '.join(kinds)})" if kinds else ""
-    number = some(int((table["attempts"] > 0).sum()), "method")
+    listed = ""
+    if kinds:
+        listed = f" ({', '.join(kinds)})"
+    number = some(int((table["false_claims"] > 0).sum()), "method")
     denials = int((rows["truth"] == DENIAL).sum())
     optima = rows[rows["claim"] == Claim.OPTIMAL]
     wrong = int((is_true(optima["false_claim"]) & optima["verdict"].eq("longer")).sum())
@@ -226,7 +229,10 @@ def _picture(table: pd.DataFrame) -> Picture:
     engines = table[~table.index.isin([EXACT, *plugins])].sort_values(
         [FALSE, DENIAL], ascending=False
     )
-    shown = (engines if len(engines) else table).groupby("formulation", sort=False).head(_MOST_BARS)
+    candidates = engines
+    if engines.empty:
+        candidates = table
+    shown = candidates.groupby("formulation", sort=False).head(_MOST_BARS)
     left_out = len(engines) - len(shown)
     shown = table[table.index.isin([*plugins, *shown.index])]
     rest = ""
@@ -236,15 +242,23 @@ def _picture(table: pd.DataFrame) -> Picture:
             f"denials; {count(left_out)} are left out."
         )
     few = shown["questions"] < FEW * shown["askable"]
-    star = " †: asked a sample only." if few.any() else ""
+    star = ""
+    if few.any():
+        star = " †: asked a sample only."
     caption = (
         "Bold: formulations; below each its engines, with guess and options. Shares of the "
         f"questions, those without a path included.{rest}{star} A narrow screen shows only methods "
         "with false claims."
     )
     alt = "Stacked bars of true, weak, silent and false claims, by formulation"
-    numbers = zip(shown["attempts"], few, strict=True)
-    notes = [(count(n) if n else "") + ("†" if is_few else "") for n, is_few in numbers]
+    notes = []
+    for false_count, is_few in zip(shown["false_claims"], few, strict=True):
+        note = ""
+        if false_count:
+            note = count(false_count)
+        if is_few:
+            note += "†"
+        notes.append(note)
     return panels_picture("belief-claims", caption, _bars, alt, shown.assign(note=notes))
 
 
@@ -253,8 +267,10 @@ def _bars(shown: pd.DataFrame, *, narrow: bool) -> Figure:
 
     A `narrow` figure shows only methods with false claims, and plug-ins', if there are any.
     """
-    false = (shown["attempts"] > 0) | shown.index.isin(own(shown.index))
-    bars = shown[false] if narrow and false.any() else shown
+    in_narrow = (shown["false_claims"] > 0) | shown.index.isin(own(shown.index))
+    bars = shown
+    if narrow and in_narrow.any():
+        bars = shown[in_narrow]
     return stacked_shares(bars, MARKS, "share of questions", narrow=narrow)
 
 

@@ -9,14 +9,12 @@ an interior point that stops at mu stops at z2 = (mu R^2)^(1/3), where the lengt
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from typing import Any
 
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 
-from dubins_study.report.data.results import Results
+from dubins_study.report.data.results import Results, Settings
 from dubins_study.report.elements.content import Section, Topic, picture
 from dubins_study.report.elements.formats import count, digits, sentences, some
 from dubins_study.report.elements.looks import LINES, labels_of
@@ -90,7 +88,7 @@ def _right_turn(path: Path | None) -> float:
 _TOLERANCES = {"equal": 1e-9, "default": 1e-8, "tuned": 1e-8}
 
 
-def barrier(spec: str, settings: Mapping[str, Mapping[str, Any]]) -> float:
+def barrier(spec: str, settings: Settings) -> float:
     """The barrier at which a solver stops, or NaN.
 
     Only Ipopt on the unsplit model has one here. `settings` maps each spec to all its settings.

@@ -142,8 +142,10 @@ def _profiles(table: pd.DataFrame, ranked: pd.DataFrame, palette: Palette) -> Pi
     for name in order.dropna().unique():
         group = list(ranked.index[ranked["formulation"] == name])
         # A method is as good as its better place: by its mean time, or by its share right.
-        best = pd.concat([ranked["mean"][group].rank(), -ranked["right"][group]], axis=1)
-        named[name] = foremost(-best.rank(method="first").min(axis=1), MOST_NAMED)
+        by_mean = ranked["mean"][group].rank(method="first")
+        by_share = (-ranked["right"][group]).rank(method="first")
+        better_place = pd.concat([by_mean, by_share], axis=1).min(axis=1)
+        named[name] = foremost(-better_place, MOST_NAMED)
         profiles[name] = performance_profile(shared[group])
     grey = sum(len(profile.columns) - len(named[name]) for name, profile in profiles.items())
     colours = ""

@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any
-
 import numpy as np
 import pandas as pd
 
-from dubins_study.report.data.results import Results
+from dubins_study.report.data.results import Results, Settings
 from dubins_study.report.elements.content import Picture, Section, Topic
 from dubins_study.report.elements.formats import digits, slug
-from dubins_study.report.elements.looks import Palette, figure_names, labels_of
+from dubins_study.report.elements.looks import Names, Palette, figure_names, labels_of
 from dubins_study.report.elements.plots import parameter_lines
 from dubins_study.report.statistics import metrics
 from dubins_study.report.statistics.metrics import parse_spec
@@ -21,7 +18,6 @@ SIZES = {"turn-rate-qp": "n", "heading-milp": "headings", "collocation": "n"}
 PLACES = ("outside", "in a disc")
 # Below these values no order is visible: a gap is rounding, a miss is within Ipopt's tolerance.
 FLOOR = {"gap": 1e-13, "miss": 1e-9}
-Settings = Mapping[str, Mapping[str, Any]]  # spec -> its settings, as a manifest holds them
 # Measure -> name of the figures, axis, caption.
 _FIGURES = {
     "gap": (
@@ -90,7 +86,7 @@ def series(spec: str) -> str:
     return f"{name}[{others}]"
 
 
-def _named(solvers: pd.Series, labels: Mapping[str, str]) -> dict[str, str]:
+def _named(solvers: pd.Series, labels: Names) -> dict[str, str]:
     """Map each solver to its name without size."""
     without = {}
     for spec in solvers:
@@ -172,7 +168,7 @@ def _pictures(lines: pd.DataFrame, palette: Palette) -> list[Picture]:
     for (measure, place), group in positive.groupby(["measure", "place"]):
         stem, ylabel, text = _FIGURES[str(measure)]
         xlabel = "steps, headings or elements N"
-        figure = parameter_lines(group, "size", "value", palette, xlabel, ylabel, height=3.7)
+        figure = parameter_lines(group, palette, xlabel, ylabel)
         caption = f"Targets {place}: {text}"
         pictures.append(Picture(f"{stem}-{slug(str(place))}", caption, figure, caption, half=True))
     return pictures

@@ -116,7 +116,9 @@ def convex_section(results: Results) -> Section | None:
     methods = by_method(direct)
     false = int(rows["false_claim"].sum())
     denials = rows.loc[rows["false_claim"] & rows["claim"].eq("infeasible"), "name"].value_counts()
-    most = f" ({denials.index[0]}: {count(denials.iloc[0])})" if len(denials) else ""
+    most = ""
+    if len(denials):
+        most = f" ({denials.index[0]}: {count(denials.iloc[0])})"
     hidden = int((rows["kept"] & rows["verdict"].eq("longer")).sum())
     former = rows.loc[~rows["label"].isin(listed()), "label"].nunique()
     old_problems = ""

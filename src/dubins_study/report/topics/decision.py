@@ -157,8 +157,9 @@ def _lead(rows: pd.DataFrame) -> str:
     if exact.empty:
         return "If you only need the path, use the closed form."
     right = int(exact.groupby("question")["right"].min().sum())
-    routes = ", or the search with a proof where there are via points"
-    where = routes if legs_of(rows).gt(1).any() else ""
+    where = ""
+    if legs_of(rows).gt(1).any():
+        where = ", or the search with a proof where there are via points"
     return (
         f"If you only need the path, use the closed form{where}: right in time on "
         f"{count(right)} of {some(exact['question'].nunique(), 'question')}."
@@ -181,12 +182,7 @@ def _table(attempts: Compared, rows: pd.DataFrame, *, few: bool, each: bool) -> 
         rows["experiment"].unique(),
         key=lambda name: (first_seen.index(name.partition(",")[0]), name),
     )
-    best = best_supported(rows).reset_index()
-    best = best[each | (best["trials"] >= ENOUGH_TO_CHOOSE) | best["solver"].map(own_name).ne("")]
-    best["knows"] = best["solver"].map(rows.groupby("solver")["knows"].first())
-    best["place"] = best["experiment"].map(experiments.index)
-    most_asked = best.groupby("place")["trials"].transform("max")
-    best["sample"] = best["trials"] < ENOUGH_ASKED * most_asked
+    best = _chosen(rows, experiments, each=each)
     lines = [
         _line(methods, ended[kind]) | {"stops": stop.get(kind, "")}
         for kind, methods in best.groupby(_KIND, sort=False)
@@ -195,13 +191,44 @@ def _table(attempts: Compared, rows: pd.DataFrame, *, few: bool, each: bool) -> 
     frame = pd.DataFrame(lines).sort_values(
         ["mine", "suites", "sure"], ascending=False, ignore_index=True
     )
-    first_title = "method" if each else "formulation, guesses"
+    first_title = "formulation, guesses"
+    if each:
+        first_title = "method"
     shown = (
         *columns(kind="text", method=first_title, knows="knows"),
         *(Column(f"suite_{n}", name, kind="pick spec") for n, name in enumerate(experiments)),
         *columns(kind="cell", errs="longer / misses / none / unasked, %"),
         *columns(kind="cell", false="false claims", stops="legs"),
     )
+    if not stop:
+        shown = shown[:-1]
+    caption = _caption(experiments, few=few, each=each, routes=bool(stop))
+    numbers = ("formulation", "guesses", *_SHARES, "false_claims", "asked")
+    bad = {(row, "false"): mark for (row, _), mark in marks(frame, "false_claims").items()}
+    return Table("decision", caption, frame, shown, bad, numbers, stacked=True)
+
+
+def _chosen(rows: pd.DataFrame, experiments: list[str], *, each: bool) -> pd.DataFrame:
+    """The methods that the table shows, as in `best_supported`.
+
+    Three columns are added: knows; place (of the experiment in `experiments`); sample (whether the
+    method was asked a part of the questions only). Without `each`, a method of few questions is
+    left out, unless it is a plug-in's.
+    """
+    best = best_supported(rows).reset_index()
+    best = best[each | (best["trials"] >= ENOUGH_TO_CHOOSE) | best["solver"].map(own_name).ne("")]
+    best["knows"] = best["solver"].map(rows.groupby("solver")["knows"].first())
+    best["place"] = best["experiment"].map(experiments.index)
+    most_asked = best.groupby("place")["trials"].transform("max")
+    best["sample"] = best["trials"] < ENOUGH_ASKED * most_asked
+    return best
+
+
+def _caption(experiments: list[str], *, few: bool, each: bool, routes: bool) -> str:
+    """The table's caption.
+
+    `routes`: whether the table has the column of legs.
+    """
     caption = "The share right with its 95 % interval (Wilson), then how the attempts end."
     if not each:
         caption = (
@@ -214,16 +241,12 @@ def _table(attempts: Compared, rows: pd.DataFrame, *, few: bool, each: bool) -> 
     caption += " None: no path in time. False claims: of attempts made."
     if any("circle" in name for name in experiments):
         caption += f" Near a circle: the target lies within {_NEAR:g} R of a turning circle."
-    if stop:
+    if routes:
         caption += (
             " Legs: the size up to which some engine is right on most routes, for each spacing, "
             "long to short."
         )
-    else:
-        shown = shown[:-1]
-    numbers = ("formulation", "guesses", *_SHARES, "false_claims", "asked")
-    bad = {(row, "false"): mark for (row, _), mark in marks(frame, "false_claims").items()}
-    return Table("decision", caption, frame, shown, bad, numbers, stacked=True)
+    return caption
 
 
 def _equal(spec: str) -> bool:
@@ -245,10 +268,13 @@ def _line(methods: pd.DataFrame, end: Mapping[Any, float]) -> dict[str, Any]:
     guesses = str(first["guesses"])
     is_plugin = bool(own_name(first["solver"]))
     shares = (end["longer"], end["misses"], end["none"] + end["late"], end["not asked"])
+    name = formulation
+    if guesses not in _NO_GUESS:
+        name += f", {guesses}"
     line: dict[str, Any] = {
         "formulation": formulation,
         "guesses": guesses,
-        "method": formulation if guesses in _NO_GUESS else f"{formulation}, {guesses}",
+        "method": name,
         "knows": " ".join(sorted(set(methods["knows"].str.cat(sep=" ").split()))),
         "mine": is_plugin,
         "suites": len(methods),
@@ -262,7 +288,9 @@ def _line(methods: pd.DataFrame, end: Mapping[Any, float]) -> dict[str, Any]:
         text = text.replace(" to ", "\u00a0to\u00a0")  # an interval stays on one line
         if method["sample"]:
             text += f" of {count(method['trials'])}"
-        line[f"suite_{method['place']}"] = text if is_plugin else f"{method['solver']}\n{text}"
+        if not is_plugin:
+            text = f"{method['solver']}\n{text}"
+        line[f"suite_{method['place']}"] = text
     return line
 
 

@@ -127,8 +127,7 @@ def last_points(attempts: pd.DataFrame) -> pd.DataFrame:
     stationary = ended["violation_slope"] <= _STATIONARY
     ends = ended.assign(stationary=stationary, with_path=ended["answerable"])
     groups = ends.groupby(["engine", "claim"], observed=True)
-    sums = groups[["with_path", "stationary"]].sum()
-    frame = sums.assign(ends=groups.size()).reset_index()
+    frame = groups[["with_path", "stationary"]].sum().assign(ends=groups.size()).reset_index()
     return with_share(frame, "stationary", frame["stationary"], frame["ends"])
 
 

@@ -286,11 +286,14 @@ def _findings(results: Results) -> list[Finding]:
             suites[name] = Evidence(attempts, len(possible), results.settings)
     every = []
     for find, name in possible:
-        finding = find(suites[name]) if name in suites else None
+        if name not in suites:
+            continue
+        finding = find(suites[name])
         if finding is not None:
-            several = f": {name}" if len(names) > 1 else ""
-            title = finding.shown_in.partition(":")[0]
-            every.append(finding._replace(shown_in=f"{title}{several}"))
+            shown_in = finding.shown_in.partition(":")[0]
+            if len(names) > 1:
+                shown_in += f": {name}"
+            every.append(finding._replace(shown_in=shown_in))
     return every
 
 

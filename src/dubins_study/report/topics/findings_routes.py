@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 import pandas as pd
 
-from dubins_study.report.data.attempts import ENOUGH_TO_CHOOSE, EXACT, legs_of
+from dubins_study.report.data.attempts import ENOUGH_TO_CHOOSE, EXACT, Mask, legs_of
 from dubins_study.report.elements.formats import seconds, some
 from dubins_study.report.statistics.intervals import geometric_means
 from dubins_study.report.statistics.methods import by_support
@@ -55,7 +55,9 @@ def _named(evidence: Evidence, *solvers: str) -> str:
     """
     words_given = all("words" in evidence.knows(solver).split() for solver in solvers)
     names = " and ".join(map(evidence.name, solvers))
-    return f"{names} (given the words)" if words_given else names
+    if words_given:
+        names += " (given the words)"
+    return names
 
 
 def _search(evidence: Evidence) -> pd.DataFrame:
@@ -76,7 +78,7 @@ def _of_several_legs(rows: pd.DataFrame) -> pd.DataFrame:
     return rows.assign(legs=legs)[legs > 1]
 
 
-def _closed(rows: pd.DataFrame) -> pd.Series[bool]:
+def _closed(rows: pd.DataFrame) -> Mask:
     """A mask of attempts right with a proof.
 
     The attempts are the search's.
@@ -104,7 +106,9 @@ def proof_of_routes(evidence: Evidence) -> Finding | None:
     if proved is None or len(both) < ENOUGH_TO_CHOOSE or {*names} & {*evidence.at_floor}:
         return None
     engines = evidence.methods["engine"][names]
-    short = engines if engines.is_unique else evidence.methods["name"]
+    short = engines
+    if not engines.is_unique:
+        short = evidence.methods["name"]
     ratios: list[Estimate] = []
     compared: list[str] = []
     left_out: list[str] = []
@@ -129,7 +133,9 @@ def proof_of_routes(evidence: Evidence) -> Finding | None:
     rival = chosen_share(line["share"], int(line["trials"]), len(ranked) * evidence.of)
     most = search["legs"].max()
     longest = search.loc[search["legs"] == most, "wall_s"].median()
-    rest = f"; too few to compare: {', '.join(left_out)}" if left_out else ""
+    rest = ""
+    if left_out:
+        rest = f"; too few to compare: {', '.join(left_out)}"
     return Finding(
         f"Use the search for a route: within its limit it proves {proved.percent_text()} of the "
         f"routes of 2 to {most} legs.",
@@ -169,8 +175,9 @@ def where_engines_stop(evidence: Evidence) -> Finding | None:
     if proved.empty or not proved.mean() > share.high:
         return None
     legs = f"{chosen['legs'].min()} to {chosen['legs'].max()} legs"
-    enough = share.questions >= ENOUGH_TO_CHOOSE
-    named = f", {_named(evidence, ranked.index[0])}," if enough else ""
+    named = ""
+    if share.questions >= ENOUGH_TO_CHOOSE:
+        named = f", {_named(evidence, ranked.index[0])},"
     routes = some(share.questions, "route")
     return Finding(
         f"Do not trust an engine alone with routes of many {label}: the best supported finds the "
@@ -199,15 +206,11 @@ def growth(evidence: Evidence) -> Finding | None:
     answered: dict[str, pd.DataFrame] = {}
     usual = evidence.met_most(rows).index
     for solver in [EXACT, *usual.difference(evidence.at_floor, sort=False)]:
-        solver_rows = rows[rows["solver"] == solver]
-        done = solver_rows["right"] & solver_rows["claim"].ne("limit")
-        share = done.groupby(solver_rows["legs"]).mean()
-        sizes = share.index[share > 0.5]
-        if len(sizes) < _SIZES or sizes.max() < largest:
+        routes = _mastered(rows[rows["solver"] == solver])
+        by_size = routes.groupby("legs")["question"].nunique()
+        if len(by_size) < _SIZES or by_size.index[-1] < largest:
             continue
-        routes = solver_rows[done & solver_rows["legs"].isin(sizes)]
-        at_ends = routes.groupby("legs")["question"].nunique()[[sizes.min(), largest]]
-        if at_ends.min() >= _AT_ENDS:
+        if by_size.iloc[[0, -1]].min() >= _AT_ENDS:
             answered[solver] = routes
     several = len(answered) * evidence.of
     powers = {
@@ -226,7 +229,9 @@ def growth(evidence: Evidence) -> Finding | None:
         return None
 
     def name_of(solver: str) -> str:
-        return "the search with a proof" if solver == EXACT else evidence.name(solver)
+        if solver == EXACT:
+            return "the search with a proof"
+        return evidence.name(solver)
 
     def named(solver: str) -> str:
         """A solver's name with two median times.
@@ -239,8 +244,7 @@ def growth(evidence: Evidence) -> Finding | None:
     def doubled(solver: str) -> str:
         """The factor for twice as many legs, as text."""
         slope = powers[solver]
-        factor = slope._replace(value=2**slope.value, low=2**slope.low, high=2**slope.high)
-        return factor.text()
+        return slope._replace(value=2**slope.value, low=2**slope.low, high=2**slope.high).text()
 
     others = [f"{named(least)} by {doubled(least)}"]
     if EXACT in powers and EXACT not in (least, most):
@@ -255,6 +259,16 @@ def growth(evidence: Evidence) -> Finding | None:
         f"{'; '.join(others)}",
         TITLE,
     )
+
+
+def _mastered(rows: pd.DataFrame) -> pd.DataFrame:
+    """A solver's right answers at the sizes it masters.
+
+    It masters a size if it is right on most routes of that size, before a limit ends the attempt.
+    """
+    done = rows["right"] & rows["claim"].ne("limit")
+    share = done.groupby(rows["legs"]).mean()
+    return rows[done & rows["legs"].isin(share.index[share > 0.5])]
 
 
 def exponent(legs: FloatArray, wall_s: FloatArray, of: int = 1) -> Estimate:

@@ -1,6 +1,6 @@
 """The paper's tables beside the exact numbers.
 
-`word_paths` also finds the paths that a solver returned for the paper's words.
+`word_paths` also finds the closed form's paths for the paper's words.
 """
 
 from __future__ import annotations
@@ -25,13 +25,13 @@ from dubins_study.report.paper.printed import (
 from dubins_study.study.path import Path
 
 
-def word_paths(results: Results, solver: str) -> dict[tuple[str, str], Path]:
-    """Map (label, word) to a solver's path.
+def word_paths(results: Results) -> dict[tuple[str, str], Path]:
+    """Map (label, word) to the closed form's path.
 
     The word is LS or RS. The path is that of the first attempt that arrives.
     """
     rows = results.rows
-    arrived = (rows["solver"] == solver) & rows["branch"].isin(["LS", "RS"]) & rows["gap"].notna()
+    arrived = (rows["solver"] == EXACT) & rows["branch"].isin(["LS", "RS"]) & rows["gap"].notna()
     first = rows[arrived].drop_duplicates(["label", "branch"])
     paths = {
         (label, branch): results.path(index)
@@ -76,7 +76,7 @@ _TITLES = {
 
 def paper_section(results: Results) -> Section | None:
     """The section with Tables 6.1-6.5, cell by cell."""
-    if not word_paths(results, EXACT):
+    if not word_paths(results):
         return None
     cells = pd.DataFrame(committed()["cells"])
     blocks = tuple(_side_by_side(cells, number) for number in _TITLES)

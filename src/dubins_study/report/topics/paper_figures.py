@@ -4,24 +4,31 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping
-from typing import Any
 
 from matplotlib.axes import Axes
 from matplotlib.patches import Circle
 
-from dubins_study.report.data.attempts import EXACT
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.content import Picture, Place, Section, Topic, picture
 from dubins_study.report.elements.formats import digits
 from dubins_study.report.elements.looks import LINES
-from dubins_study.report.elements.style import BLUE, GREEN, INK, MUTED, PAPER, RULE, VERMILION
+from dubins_study.report.elements.style import (
+    BLUE,
+    GREEN,
+    INK,
+    MUTED,
+    PAPER,
+    RULE,
+    VERMILION,
+    Style,
+)
 from dubins_study.report.paper.printed import PROBLEMS, Problem
 from dubins_study.report.topics.paper import word_paths
 from dubins_study.study.path import Path, outline
 from dubins_study.study.scenario import Pose, Scenario
 
 _COLOURS = (BLUE, VERMILION, GREEN)
-_TARGET_RING: dict[str, Any] = {
+_TARGET_RING: Style = {
     "markersize": 7,
     "markerfacecolor": PAPER,
     "markeredgecolor": MUTED,
@@ -86,7 +93,7 @@ def plot_start_and_target(
 
 def figures_section(results: Results) -> Section | None:
     """The section with Figures 6.1-6.5."""
-    paths_of_words = word_paths(results, EXACT)
+    paths_of_words = word_paths(results)
     if not paths_of_words:
         return None
     pictures = []

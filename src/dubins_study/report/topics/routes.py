@@ -32,7 +32,7 @@ from dubins_study.report.elements.content import (
 )
 from dubins_study.report.elements.formats import count, digits, sentences, shortened
 from dubins_study.report.elements.identity import questions
-from dubins_study.report.elements.looks import Look, Palette, in_page_order, short_labels
+from dubins_study.report.elements.looks import Look, Names, Palette, in_page_order, short_labels
 from dubins_study.report.elements.plots import HIGHEST, Mark, share_curves
 from dubins_study.report.elements.style import (
     BLUE,
@@ -98,8 +98,7 @@ def by_size(rows: pd.DataFrame, size: str = "legs", success: str = "right") -> p
     frame["gap"] = groups["gap"].agg(upper_quantile, q=0.5)
     left_open = rows["left_open"]
     frame["left_open"] = rows[left_open].groupby(cell)["scenario_id"].nunique()
-    decided = scenario_shares(rows[~left_open], by=cell, success=success, scenario=TRIAL)
-    frame = frame.join(decided)
+    frame = frame.join(scenario_shares(rows[~left_open], by=cell, success=success, scenario=TRIAL))
     return frame.fillna({"successes": 0, "trials": 0, "left_open": 0}).reset_index()
 
 
@@ -119,7 +118,9 @@ def routes_section(results: Results) -> Section | None:
     )
     engines = solver_summary(results.attempts)
     engines = engines[engines["solver"] != EXACT]
-    timed = _timed(engines)
+    # times are drawn of plug-ins' solvers, the search, and the best method of each formulation
+    best = best_methods(engines, ["formulation"])
+    timed = {*own(engines["solver"]), EXACT, *best["solver"]}
     blocks = (
         _picture(cells, strata, results, engines, timed),
         _profiles(rows, results, timed),
@@ -233,14 +234,6 @@ def second_opinion(rows: pd.DataFrame) -> str:
     )
 
 
-def _timed(engines: pd.DataFrame) -> set[str]:
-    """The solvers whose times are drawn.
-
-    They are those of plug-ins, the search, and the best method of each formulation.
-    """
-    return {*own(engines["solver"]), EXACT, *best_methods(engines, ["formulation"])["solver"]}
-
-
 def _picture(
     cells: pd.DataFrame,
     strata: list[str],
@@ -275,7 +268,7 @@ def _picture(
     )
 
 
-def palette_of(results: Results, labels: Mapping[str, str]) -> Palette:
+def palette_of(results: Results, labels: Names) -> Palette:
     """The page's palette with other names of solvers.
 
     `labels` tell the methods of these results apart, and the closed form is called the search with
@@ -422,7 +415,7 @@ def _cell_text(cell: dict[Hashable, Any]) -> str:
 
 
 def plot_times(
-    ax: Axes, cells: pd.DataFrame, looks: Mapping[str, Look], names: Mapping[str, str], size: str
+    ax: Axes, cells: pd.DataFrame, looks: Mapping[str, Look], names: Names, size: str
 ) -> dict[str, Line2D]:
     """Draw median times (s) over the size.
 
@@ -483,8 +476,9 @@ _WIDE_LEG = 12.0  # pt of the median leg; shorter ones have thinner lines and sm
 _THINNEST_LINE = 0.5  # share of the full width
 _SMALLEST_DOT = 0.2  # share of the full size
 _MARGIN = 0.07  # around the drawing, as a share of its size
+_SIDES = {"L": 1, "S": 0, "R": -1}  # sign of the curvature
 # Colour, line and width of each kind of piece: three shades and three lines in grey print.
-_TURNS: dict[str, tuple[str, dict[str, Any]]] = {
+_TURNS: dict[str, tuple[str, Style]] = {
     "L": ("left", {"color": BLUE, "linestyle": "-", "linewidth": 2.4}),
     "S": ("straight", {"color": INK, "linestyle": "-", "linewidth": 0.9}),
     "R": ("right", {"color": VERMILION, "linestyle": (0, (2.2, 0.7)), "linewidth": 2.4}),
@@ -521,12 +515,14 @@ def _runs(points: FloatArray, inside: BoolArray) -> FloatArray:
 def _texts(scenario: Scenario, order: Sequence[int], names: Sequence[str]) -> list[str]:
     """The texts beside the start and the stops.
 
-    They are in the order of visits: first the start's, then one for each place in `order`. Via
-    points have numbers; if there are many, only every tenth. The target has none. If points are
-    few, their names follow the numbers.
+    The start's comes first, then one for each place in `order`. A via point has the number of its
+    visit. Of many via points only every tenth has one, or every hundredth. If points are few, their
+    names follow the numbers. The target has no number.
     """
     last = len(order)
-    step = 10 ** max(math.ceil(math.log10(last / _MOST_NUMBERS)), 0)
+    step = 1
+    while last > step * _MOST_NUMBERS:
+        step *= 10
     texts = ["start"]
     for number, stop in enumerate(order, 1):
         text = ""
@@ -556,9 +552,21 @@ def _write(
     sizes = np.zeros(places.shape)  # half of the widths and heights of texts
     margin = _MARGIN * np.asarray(ax.dataLim.size)
     edge = unit * (ax.dataLim.get_points() + np.array((-margin, margin)))
+
+    def cost_of(at: FloatArray, size: FloatArray, number: int) -> FloatArray:
+        """The cost of each place for a text."""
+        crossed = (np.abs(unit * along - at[:, None]) < size + 1).all(axis=2).any(axis=1)
+        beyond = ((at - size < edge[0]) | (at + size > edge[1])).any(axis=1)
+        away = np.linalg.norm(unit * points - at[:, None], axis=2)
+        another = away.min(axis=1) < away[:, number] - 1e-6  # is nearer than its own
+        # The last term prefers places out of the bend, by at most 1.
+        cost: FloatArray = (
+            4 * crossed + 3 * beyond + 2 * another - _AROUND @ _outside(points, number)
+        )
+        return cost
+
     for number, text in enumerate(texts):
         point = points[number]
-        outside = _outside(points, number)
         gap = 6.0  # beside the ring of the target
         if 0 < number < last:
             gap = 4.0
@@ -570,13 +578,8 @@ def _write(
             # 2 pt apart: a dot is as large, and two numbers side by side would be read as one
             free = ~(np.abs(places - at[:, None]) < sizes + size + 2).all(axis=2).any(axis=1)
             if free.any():
-                crossed = (np.abs(unit * along - at[:, None]) < size + 1).all(axis=2).any(axis=1)
-                beyond = ((at - size < edge[0]) | (at + size > edge[1])).any(axis=1)
-                away = np.linalg.norm(unit * points - at[:, None], axis=2)
-                another = away.min(axis=1) < away[:, number] - 1e-6  # is nearer than its own
-                # The least cost wins. The last term prefers places out of the bend, by at most 1.
-                cost = 4 * crossed + 3 * beyond + 2 * another - _AROUND @ outside
-                best = int(np.where(free, cost, np.inf).argmin())
+                # the least cost wins
+                best = int(np.where(free, cost_of(at, size, number), np.inf).argmin())
                 places = np.vstack((places, at[best]))
                 sizes = np.vstack((sizes, size))
                 ax.annotate(
@@ -615,13 +618,13 @@ def _legend_of_names(order: Sequence[int], names: Sequence[str]) -> str:
     The text stands below the plot, where names beside points would overlap. It is empty if the
     points are so few that the names stand beside them, or too many.
     """
+    if not _MOST_NAMED < len(order) <= _MOST_NUMBERS:
+        return ""
     named = [
         f"{number} {shortened(names[stop], _NAME_CHARS)}"
         for number, stop in enumerate(order, 1)
         if stop < len(names) and names[stop]
     ]
-    if not _MOST_NAMED < len(order) <= _MOST_NUMBERS:
-        return ""
     whole = [text.replace(" ", "\u00a0") for text in named]  # are not broken
     return textwrap.fill(", ".join(whole), _LINE_CHARS)
 
@@ -713,8 +716,7 @@ def _draw_pieces(ax: Axes, path: Path, thin: float) -> list[Line2D]:
     sides = np.where(np.abs(curvatures) <= straight, 0, np.sign(curvatures)).astype(int)
     lines = []
     for letter, (kind, look) in _TURNS.items():
-        # sides: -1 right, 0 straight, 1 left
-        runs = _runs(poses[:, :2], sides == "RSL".index(letter) - 1)
+        runs = _runs(poses[:, :2], sides == _SIDES[letter])
         if len(runs):
             thinned = look | {"linewidth": thin * look["linewidth"]}
             [line] = ax.plot(*runs.T, zorder=3, label=kind, **thinned)

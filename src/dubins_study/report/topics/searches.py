@@ -70,7 +70,9 @@ def runtimes(rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
 def _name(solver: str, engines: pd.Series[str]) -> str:
     """A solver's engine, restarts and options as text."""
     settings = parse_spec(solver)[1]
-    restarts = "begun anew" if settings.get("restarts") == "True" else ""
+    restarts = ""
+    if settings.get("restarts") == "True":
+        restarts = "begun anew"
     return ", ".join(filter(None, (engines[solver], restarts, settings.get("options", ""))))
 
 

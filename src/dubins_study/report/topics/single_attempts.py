@@ -263,15 +263,17 @@ def _rounded(value: Any, digits: int = _DIGITS) -> float | str | None:
 
 
 def _scenarios(rows: pd.DataFrame) -> tuple[list[int], dict[str, list[Any]]]:
-    """The place of each row's scenario, and the scenarios.
+    """Each row's scenario, by number, and the scenarios.
 
-    The places are in the order of the rows. The scenarios are a table: column -> a value for each
-    scenario.
+    The first value has a number for each row: the place of its scenario in the second value, which
+    is a table of distinct scenarios: column -> a value for each.
     """
     key = ["scenario_id", *NUMBERS]
-    optional = [
-        name for name in ROUTE if (rows[name].notna() & rows[name].ne(DEFAULTS[name])).any()
-    ]
+    optional = []  # the columns that some scenario fills
+    for name in ROUTE:
+        filled = rows[name].notna() & rows[name].ne(DEFAULTS[name])
+        if filled.any():
+            optional.append(name)
     selected = [*_OF_SCENARIO, *optional]
     groups = rows.groupby(key, sort=False, dropna=False)
     # of attempts that are not judged the region is null: the first that is known

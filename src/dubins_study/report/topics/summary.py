@@ -65,8 +65,7 @@ def solver_summary(attempts: pd.DataFrame) -> pd.DataFrame:
         frame = frame[frame["attempts"] > 0]
     frame = with_share(frame, "right", frame["right"], frame["questions"])
     stated = methods(attempts)
-    named = methods_of(stated[stated["solver"].isin(frame.index)])
-    return named.join(frame).reset_index()
+    return methods_of(stated[stated["solver"].isin(frame.index)]).join(frame).reset_index()
 
 
 def share_keys(*names: str) -> tuple[str, ...]:

@@ -90,15 +90,15 @@ def by_points(rows: pd.DataFrame) -> pd.DataFrame:
     proves nothing. The gap is an upper bound where the shortest length is not proved.
     """
     cells = by_size(rows.assign(left_open=False), "points", "closes")
-    proves = cells["solver"].isin(provers(rows))
+    proves = cells["solver"].isin(of_provers(rows)["solver"])
     numbers = ["successes", "trials"]
     return cells.assign(**{name: cells[name].where(proves, 0) for name in numbers})
 
 
-def provers(rows: pd.DataFrame) -> set[str]:
-    """The solvers that can prove an optimum."""
+def of_provers(rows: pd.DataFrame) -> pd.DataFrame:
+    """The attempts of solvers that can prove an optimum."""
     proving = rows["solver"].eq(EXACT) | rows["formulation"].isin((*PROVING, _DISJUNCTION))
-    return set(rows["solver"][proving])
+    return rows[rows["solver"].isin(rows["solver"][proving])]
 
 
 def asked_of_most(rows: pd.DataFrame) -> pd.DataFrame:
@@ -143,8 +143,7 @@ def by_engine(rows: pd.DataFrame) -> pd.DataFrame:
     groups = counted.groupby("solver", sort=False)
     frame = groups[medians].agg(upper_quantile, q=0.5).rename(columns={"iterations": "nodes"})
     frame["false_bounds"] = is_true(rows["false_bound"]).groupby(rows["solver"]).sum()
-    proving = rows[rows["solver"].isin(provers(rows))]
-    shares = scenario_shares(proving, by=["solver"], success="closes", scenario=TRIAL)
+    shares = scenario_shares(of_provers(rows), by=["solver"], success="closes", scenario=TRIAL)
     shares = shares.reindex(frame.index).fillna({"successes": 0, "trials": 0})
     return with_share(frame, "closes", shares["successes"], shares["trials"]).reset_index()
 
@@ -193,7 +192,9 @@ def _kind_of(row: dict[Hashable, Any], settings: Settings) -> str:
     """
     values = settings.get(row["solver"], {})
     if row["formulation"] == _STRAIGHT_FIRST:
-        return _ALTERNATING if values.get("order") == "alternating" else _STRAIGHT
+        if values.get("order") == "alternating":
+            return _ALTERNATING
+        return _STRAIGHT
     if row["closes"] and values.get("costs") == "lengths" and not values.get("polish"):
         return f"{BEST_OF_GRID} {values['headings']} headings"
     return ""
@@ -221,7 +222,7 @@ def tours_section(results: Results) -> Section | None:
     strata = stratum_order(results, cells["label"])
     compared = against_proof(rows, results.settings)
     blocks: list[Block] = [_closed_picture(rows, cells, strata, results)]
-    closed = closed_within(rows[rows["solver"].isin(provers(rows))])
+    closed = closed_within(of_provers(rows))
     engines = by_engine(asked_of_most(rows)).merge(closed, "left", on="solver")
     blocks.append(_engines(in_page_order(engines, results)))
     if len(compared):
@@ -263,8 +264,7 @@ def _text(rows: pd.DataFrame, compared: pd.DataFrame) -> str:
 
 def timed_solvers(rows: pd.DataFrame) -> set[str]:
     """The most asked solver of each engine that proves."""
-    proving = rows[rows["solver"].isin(provers(rows))]
-    asked = proving.groupby(["engine", "solver"]).size().rename("asked").reset_index()
+    asked = of_provers(rows).groupby(["engine", "solver"]).size().rename("asked").reset_index()
     ranked = asked.sort_values("asked", ascending=False, kind="stable")
     return set(ranked.drop_duplicates("engine")["solver"])
 
@@ -301,17 +301,21 @@ def _name(method: pd.Series, settings: dict[str, Any]) -> str:
     """
     if method["formulation"] == _STRAIGHT_FIRST:
         return f"{settings.get('order', '')} order".strip()
-    bounds = "bounds" if settings.get("costs") == "bounds" else ""
     if method["formulation"] == _DISJUNCTION:
         parts = [method["engine"], _DISJUNCTION, settings.get("emphasis", "")]
     else:
-        grid = f"K = {settings['headings']}" if "headings" in settings else ""
-        parts = [method["engine"], settings.get("model", ""), grid, bounds]
+        parts = [method["engine"], settings.get("model", "")]
+        if "headings" in settings:
+            parts.append(f"K = {settings['headings']}")
+        if settings.get("costs") == "bounds":
+            parts.append("bounds")
     return ", ".join(filter(None, parts))
 
 
 def _gap(value: float) -> str:
-    return share(value) if np.isfinite(value) else "no tour"
+    if np.isfinite(value):
+        return share(value)
+    return "no tour"
 
 
 def _engines(frame: pd.DataFrame) -> Table:

@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 import pandas as pd
 
+from dubins_study.report.data.attempts import Mask
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.formats import some
 from dubins_study.report.statistics.intervals import bootstrap, geometric_means, holm, sign_test
@@ -141,30 +142,37 @@ def solver_changes(base: Results, new: Results, pairs: pd.DataFrame) -> pd.DataF
     after = new.folders[0].manifest.code_digests
     lines: list[dict[str, object]] = []
     for solver in solver_order(pairs["solver"].unique().tolist()):
+        same_code = after.get(solver) == before.get(solver, "")
         rows = pairs[pairs["solver"] == solver]
-        answerable = rows[rows["answerable"]]
-        # costs of the sign test: the share of wrong repeats
-        test = sign_test(1 - answerable["right_new"], 1 - answerable["right_base"])
-        p = test.p
-        if not test.pairs:
-            p = np.nan
-        line = {
-            "solver": solver,
-            "same_code": after.get(solver) == before.get(solver, ""),
-            "questions": len(answerable),
-            "right_base": answerable["right_base"].mean(),
-            "right_new": answerable["right_new"].mean(),
-            "right_p": p,
-            "lost": int(lost(answerable).sum()),
-            # the opposite of `lost`
-            "gained": int((answerable["right_base"].eq(0) & answerable["right_new"].eq(1)).sum()),
-        }
-        lines.append(line | _times(rows))
+        answers = _answers(rows[rows["answerable"]])
+        lines.append({"solver": solver, "same_code": same_code, **answers, **_times(rows)})
     frame = pd.DataFrame(lines)
     return frame.assign(right_p=holm(frame["right_p"]))
 
 
-def lost(pairs: pd.DataFrame) -> pd.Series[bool]:
+def _answers(answerable: pd.DataFrame) -> dict[str, object]:
+    """How one solver's answers changed.
+
+    The questions have a path. `right_p` is not corrected yet, and NaN without questions.
+    """
+    # costs of the sign test: the share of wrong repeats
+    test = sign_test(1 - answerable["right_new"], 1 - answerable["right_base"])
+    p = test.p
+    if not test.pairs:
+        p = np.nan
+    # the opposite of `lost`
+    gained = answerable["right_base"].eq(0) & answerable["right_new"].eq(1)
+    return {
+        "questions": len(answerable),
+        "right_base": answerable["right_base"].mean(),
+        "right_new": answerable["right_new"].mean(),
+        "right_p": p,
+        "lost": int(lost(answerable).sum()),
+        "gained": int(gained.sum()),
+    }
+
+
+def lost(pairs: pd.DataFrame) -> Mask:
     """A mask of the questions that were lost.
 
     A lost question was right in every repeat of the base and in no repeat of the new run.
@@ -172,7 +180,7 @@ def lost(pairs: pd.DataFrame) -> pd.Series[bool]:
     return pairs["right_base"].eq(1) & pairs["right_new"].eq(0)
 
 
-def newly_false(pairs: pd.DataFrame) -> pd.Series[bool]:
+def newly_false(pairs: pd.DataFrame) -> Mask:
     """A mask of questions with a new false claim.
 
     The claim or bound is false in the new run only.
@@ -180,7 +188,7 @@ def newly_false(pairs: pd.DataFrame) -> pd.Series[bool]:
     return pairs["false_new"] & ~pairs["false_base"]
 
 
-def less_accurate(pairs: pd.DataFrame) -> pd.Series[bool]:
+def less_accurate(pairs: pd.DataFrame) -> Mask:
     """A mask of right answers that became less accurate.
 
     The question is right in both runs, and the new gap is more than `WORSE_GAP` times the old one.
@@ -190,7 +198,7 @@ def less_accurate(pairs: pd.DataFrame) -> pd.Series[bool]:
     return _right_in_both(pairs) & (pairs["gap_new"] > WORSE_GAP * before)
 
 
-def _right_in_both(pairs: pd.DataFrame) -> pd.Series[bool]:
+def _right_in_both(pairs: pd.DataFrame) -> Mask:
     """A mask of questions right in both runs.
 
     Such a question has an answer, and all repeats of both runs are right.

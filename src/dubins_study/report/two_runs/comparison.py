@@ -12,6 +12,7 @@ from typing import Any
 
 import pandas as pd
 
+from dubins_study.report.data.attempts import Mask
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.formats import ABSENT, digits, seconds, share
 from dubins_study.report.two_runs.changes import (
@@ -100,7 +101,7 @@ def regressions(
     return pd.DataFrame(lines, columns=columns, dtype=object).fillna("")
 
 
-def _share_changed(changes: pd.DataFrame) -> pd.Series[bool]:
+def _share_changed(changes: pd.DataFrame) -> Mask:
     """A mask of solvers whose share right changed.
 
     The sign test's p is below the level `ALPHA`.
@@ -108,7 +109,7 @@ def _share_changed(changes: pd.DataFrame) -> pd.Series[bool]:
     return changes["right_p"].lt(ALPHA)
 
 
-def _timed(changes: pd.DataFrame) -> pd.Series[bool]:
+def _timed(changes: pd.DataFrame) -> Mask:
     """A mask of solvers with comparable times.
 
     Their code changed, and enough of their questions have times. The times of unchanged solvers
@@ -128,16 +129,17 @@ def verdicts(changes: pd.DataFrame, regressions: pd.DataFrame, slower: float) ->
     texts = []
     for row in changes.assign(more_often=more_often, faster=faster).to_dict("records"):
         worse = regressions.loc[regressions["solver"] == row["solver"], "kind"].unique()
-        better = {
-            f"{row['gained']} more right": row["gained"] > 0,
-            "right more often": row["more_often"],
-            "faster": row["faster"],
-        }
-        applying = [text for text, applies in better.items() if applies]
+        better = []
+        if row["gained"] > 0:  # single questions; `more_often` is a significant share of all
+            better.append(f"{row['gained']} more right")
+        if row["more_often"]:
+            better.append("right more often")
+        if row["faster"]:
+            better.append("faster")
         if len(worse):
             texts.append(f"worse: {', '.join(worse)}")
-        elif applying:
-            texts.append(f"better: {', '.join(applying)}")
+        elif better:
+            texts.append(f"better: {', '.join(better)}")
         elif row["same_code"]:
             texts.append("same code")
         else:
