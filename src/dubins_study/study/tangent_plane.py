@@ -69,7 +69,7 @@ class TangentPlane:
     def distortion(self, points: ArrayLike) -> float:
         """Largest relative error of a length near the points."""
         away = np.hypot(*np.asarray(points, dtype=float).reshape(-1, 2).T)
-        angle = float(away.max(initial=0.0)) / _geodesic().a
+        angle: float = float(away.max(initial=0.0)) / _geodesic().a
         if not 0 < angle < math.pi:
             return 0.0
         return angle / math.sin(angle) - 1

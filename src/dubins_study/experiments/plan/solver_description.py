@@ -89,7 +89,8 @@ def why_unavailable(spec: str, profile: str = "default") -> str | None:
     event = _ask_apart("availability", spec, profile, _ASKING)
     if isinstance(event, Ended):
         return None
-    return event.value
+    reason: str | None = event.value
+    return reason
 
 
 def _ask_apart(topic: str, spec: str, profile: str, allowance: Allowance) -> Answered | Ended:

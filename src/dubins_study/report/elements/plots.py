@@ -425,10 +425,5 @@ def _legend(figure: Figure, side: str, handles: Sequence[Artist], columns: int) 
     `side` is `upper` or `lower`; nothing is added without handles.
     """
     if handles:
-        figure.legend(
-            handles=handles,
-            loc=f"outside {side} left",
-            ncols=columns,
-            fontsize=7.5,
-            columnspacing=1.2,
-        )
+        place: Style = {"loc": f"outside {side} left", "ncols": columns}
+        figure.legend(handles=handles, fontsize=7.5, columnspacing=1.2, **place)

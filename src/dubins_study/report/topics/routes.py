@@ -555,8 +555,9 @@ def _write(
 
     def cost_of(at: FloatArray, size: FloatArray, number: int) -> FloatArray:
         """The cost of each place for a text."""
-        crossed = (np.abs(unit * along - at[:, None]) < size + 1).all(axis=2).any(axis=1)
-        beyond = ((at - size < edge[0]) | (at + size > edge[1])).any(axis=1)
+        beside = np.abs(unit * along - at[:, None]) < size + 1
+        crossed = np.any(beside.all(axis=2), axis=1)
+        beyond = np.any((at - size < edge[0]) | (at + size > edge[1]), axis=1)
         away = np.linalg.norm(unit * points - at[:, None], axis=2)
         another = away.min(axis=1) < away[:, number] - 1e-6  # is nearer than its own
         # The last term prefers places out of the bend, by at most 1.
