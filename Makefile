@@ -46,7 +46,7 @@ studies: $(READY)  ## run every experiment but the benchmark and write one repor
 
 # one job, so that nothing else takes time from a solve; begun again, it goes on where it was stopped
 SUITES := tour route pose leg search proof
-benchmark: $(READY)  ## run the benchmark's six suites and the convex problems (136 minutes) and write their report
+benchmark: $(READY)  ## run the benchmark's six suites and the convex problems (144 minutes) and write their report
 	$(BIN)/dubins-study run convex --out results/benchmark/convex --jobs 1
 	for suite in $(SUITES); do \
 	    $(BIN)/dubins-study run benchmark-$$suite --out results/benchmark/$$suite --jobs 1 || exit $$?; \

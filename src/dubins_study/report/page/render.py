@@ -48,8 +48,8 @@ class Head(NamedTuple):
 _TITLE = "The shortest path of a vehicle that cannot turn tightly"
 _ASKED = (
     "A vehicle starts at a place with a heading, the direction in which it drives, and must reach "
-    "a target. Solvers, programs for optimisation, look for its shortest path. Which of them find "
-    "it, how fast, and which only say so?"
+    "a target. Which solvers (programs for optimisation) find its shortest path, and which only "
+    "say so?"
 )
 
 
