@@ -74,11 +74,14 @@ def count(n: float) -> str:
 
 
 def percent(share: float) -> str:
-    """A share in per cent with one decimal."""
+    """A share in per cent with one decimal.
+
+    Only a whole share is 100 %; one that is nearly whole is cut to 99.9 %.
+    """
     value = 100 * share
     if value in (0.0, 100.0):
         return f"{value:.0f} %"
-    return f"{value:.1f} %"
+    return f"{min(value, 99.9):.1f} %"
 
 
 def wilson(k: float, n: int) -> tuple[float, float]:

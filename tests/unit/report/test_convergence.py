@@ -165,7 +165,7 @@ def test_convex_problems_by_hand(load_rows):
     expected = np.sqrt((0.01 + shift) * (limit + shift)) - shift
     assert methods.loc[("QP", "OSQP"), "mean_s"] == pytest.approx(expected)
     assert lines["false_claim"].to_dict() == {key: int(key[1] == "OSQP") for key in lines.index}
-    assert "False claims in 11 answers: 1. In 0 of them" in section.text
+    assert "False claims in 11 answers: 1. 0 of them" in section.text
     assert "further than that from the optimum: 1." in section.text
     assert "takes 400 ms longer (median of 2 answers)" in section.text  # 0.6 - 0.2 and 0.7 - 0.3
     assert "Problems of a former set: 1." in section.text
