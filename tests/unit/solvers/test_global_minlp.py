@@ -5,6 +5,8 @@ Tested are the models, the engines, and what is claimed of their answers.
 
 import math
 import os
+import subprocess
+import sys
 import time
 from functools import partial
 from itertools import permutations
@@ -564,3 +566,33 @@ def test_maingo_is_told_whole_seconds_that_are_left(monkeypatch, seconds, told):
 
     assert options["maxTime"] == told
     assert told or result.claim is Claim.LIMIT
+
+
+_NAMES = """
+from pyomo.environ import Constraint
+from dubins_study import Question, Scenario
+from dubins_study.solvers.registry import load
+model = load("disjunctive").build(Question(Scenario(target_x=4, target_y=2, via=[(1, 3)])))
+print([each.name for each in model.pyomo.component_data_objects(Constraint, descend_into=True)])
+"""
+
+
+@pytest.mark.slow
+def test_a_program_is_the_same_in_every_process():
+    """The order of a model's rows does not depend on the hashes of texts.
+
+    SCIP takes three to thirty seconds for one question, by the order.
+    """
+    names = {
+        subprocess.run(
+            [sys.executable, "-c", _NAMES],
+            env=os.environ | {"PYTHONHASHSEED": seed},
+            capture_output=True,
+            check=True,
+            text=True,
+        ).stdout
+        for seed in "123"
+    }
+
+    assert len(names) == 1
+    assert "cosine" in names.pop()

@@ -111,9 +111,11 @@ def gdp_model(
             ranges[leg, "beta"] = _QUARTER, TWO_PI / 2
     m = ConcreteModel(name="dubins-disjunctive")
     m.steps = steps
-    m.z = Var(ranges, bounds=lambda m, *key: ranges[key], initialize=_QUARTER)
-    m.c = Var(ranges, bounds=(-1, 1), initialize=math.cos(1))
-    m.s = Var(ranges, bounds=(-1, 1), initialize=math.sin(1))
+    # a list: Pyomo makes a set of a dict's keys, whose order depends on the process
+    angles = list(ranges)
+    m.z = Var(angles, bounds=lambda m, *key: ranges[key], initialize=_QUARTER)
+    m.c = Var(angles, bounds=(-1, 1), initialize=math.cos(1))
+    m.s = Var(angles, bounds=(-1, 1), initialize=math.sin(1))
     m.w = Var(range(n), bounds=lambda m, leg: (0, farthest[leg]), initialize=1)
     # the headings between the legs, and whole turns by which they leave the range of `mu`
     m.theta = Var(range(1, n + (course.last is not None)), bounds=(-2 * TWO_PI, 3 * TWO_PI))
@@ -121,8 +123,8 @@ def gdp_model(
     if quadrants:
         _add_quadrants(m, ranges)
     else:
-        m.cosine = Constraint(ranges, rule=lambda m, *key: m.c[key] == cos(m.z[key]))
-        m.sine = Constraint(ranges, rule=lambda m, *key: m.s[key] == sin(m.z[key]))
+        m.cosine = Constraint(angles, rule=lambda m, *key: m.c[key] == cos(m.z[key]))
+        m.sine = Constraint(angles, rule=lambda m, *key: m.s[key] == sin(m.z[key]))
     if max(map(len, steps)) > 1:
         _add_steps(m, steps, away)
     chosen = [(leg, word) for leg in range(n) for word in of_leg[leg]]
@@ -202,11 +204,12 @@ def _add_quadrants(m: Any, ranges: Ranges) -> None:
     from pyomo.environ import Constraint, Var, cos, sin
     from pyomo.gdp import Disjunct, Disjunction
 
-    m.q = Var(ranges, bounds=(0, _QUARTER), initialize=1)
-    m.cos_q = Var(ranges, bounds=(0, 1), initialize=math.cos(1))
-    m.sin_q = Var(ranges, bounds=(0, 1), initialize=math.sin(1))
-    m.cosine = Constraint(ranges, rule=lambda m, *key: m.cos_q[key] == cos(m.q[key]))
-    m.sine = Constraint(ranges, rule=lambda m, *key: m.sin_q[key] == sin(m.q[key]))
+    angles = list(ranges)
+    m.q = Var(angles, bounds=(0, _QUARTER), initialize=1)
+    m.cos_q = Var(angles, bounds=(0, 1), initialize=math.cos(1))
+    m.sin_q = Var(angles, bounds=(0, 1), initialize=math.sin(1))
+    m.cosine = Constraint(angles, rule=lambda m, *key: m.cos_q[key] == cos(m.q[key]))
+    m.sine = Constraint(angles, rule=lambda m, *key: m.sin_q[key] == sin(m.q[key]))
     quadrants_of = {
         key: range(round(low / _QUARTER), round(high / _QUARTER))
         for key, (low, high) in ranges.items()
@@ -214,7 +217,7 @@ def _add_quadrants(m: Any, ranges: Ranges) -> None:
     places = [(*key, k) for key, quadrants in quadrants_of.items() for k in quadrants]
     m.quadrant = Disjunct(places, rule=_quadrant)
     m.one_quadrant = Disjunction(
-        ranges, rule=lambda m, *key: [m.quadrant[(*key, k)] for k in quadrants_of[key]]
+        angles, rule=lambda m, *key: [m.quadrant[(*key, k)] for k in quadrants_of[key]]
     )
 
 
