@@ -45,18 +45,6 @@ def bound(factor, **changes):
     return honest(PLAIN, "scip", Claim.OPTIMAL, **bounds, **changes)
 
 
-def overshooting(share, **changes):
-    """A claim of a path that ends beyond its target.
-
-    It misses by a share of the shortest length.
-    """
-    path = shortest_path(PLAIN)
-    lengths = [*path.lengths[:-1], path.lengths[-1] + share * LENGTH]
-    return honest(
-        PLAIN, "scip", Claim.LOCAL, Path(PLAIN.start, path.curvatures, lengths), **changes
-    )
-
-
 WORTHS = [
     (honest(PLAIN, "scip", Claim.OPTIMAL), "true"),
     (honest(PLAIN, "scip", Claim.OPTIMAL, LONGER), "false"),
@@ -74,10 +62,6 @@ WORTHS = [
     (bound(1 + 5e-8, tolerance=1e-8), "true to its tolerance"),
     (bound(1.001, tolerance=1e-8), "false"),
     (bound(1.1), "false"),
-    # the same of a miss, relative to the length
-    (overshooting(5e-6, tolerance=1e-6), "true to its tolerance"),
-    (overshooting(1e-3, tolerance=1e-6), "false"),
-    (overshooting(5e-6), "false"),
     # a plug-in may call every answer presolved; only a path rightly denied is taken for one
     (honest(PLAIN, "scip", Claim.OPTIMAL, LONGER, presolved=True), "false"),
 ]

@@ -72,7 +72,8 @@ def test_every_attempt_ends_in_one_way():
 def test_an_engine_stops_where_it_is_right_on_half_or_fewer():
     """An engine stops at half right or fewer.
 
-    The engine that goes furthest counts; a spacing at which none begins is 0.
+    The engine that goes furthest counts; a spacing at which none begins is 0, and one that was not
+    asked has a dash.
     """
     rows = []
     for label, most in (("long", 5), ("short", 0)):
@@ -82,10 +83,11 @@ def test_an_engine_stops_where_it_is_right_on_half_or_fewer():
                 right = legs <= most or (legs == 10 and q < 2)
                 rows.append(row(q, "a", label=label, via_x=via, right=right))
                 rows.append(row(q, "b", label=label, via_x=via, right=False))
+    rows += [one | {"guesses": "one"} for one in rows if one["label"] == "long"]
     plain = pd.DataFrame([row(q, "a", label="leg") for q in range(4)])
 
     limits = stops(pd.DataFrame(rows), ["short", "long"])
-    assert limits == {WORDS: "0, 5"}
+    assert limits == {WORDS: "0, 5", (WORDS[0], "one"): "–, 5"}
     assert stops(plain, ["leg"]) == {}
 
 

@@ -36,9 +36,6 @@ _METHOD = ["formulation", "engine", "guess"]
 ENOUGH_TO_CHOOSE = 30
 # A method with a smaller share of the questions would shrink the set that all methods share.
 ENOUGH_ASKED = 0.9
-# Two equations that are each off by the tolerance move a path's end, and its length, by a small
-# multiple of it.
-TOLERANCES = 10.0
 
 
 def own_name(spec: str) -> str:
@@ -92,19 +89,6 @@ def first_true(conditions: Mapping[str, Mask], default: str) -> pd.Series[str]:
     """
     masks = list(conditions.values())
     return pd.Series(np.select(masks, list(conditions), default), masks[0].index)
-
-
-def false_claims(rows: pd.DataFrame) -> Mask:
-    """A mask of claims that are certainly false.
-
-    A path that misses is excused if the engine's tolerance may explain its miss. It may be up to
-    `TOLERANCES` (10) times the tolerance, relative to the larger of the path's length and the
-    radius. Nothing is excused where the row has no tolerance, because the engine kept its maker's
-    own.
-    """
-    scale = np.maximum(rows["length"], rows["radius"])
-    explained = rows["miss"] <= TOLERANCES * rows["tolerance"] * scale
-    return is_true(rows["false_claim"]) & ~(rows["verdict"].eq("misses") & explained)
 
 
 def presolved(rows: pd.DataFrame) -> Mask:

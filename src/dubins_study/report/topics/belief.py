@@ -10,8 +10,6 @@ from matplotlib.figure import Figure
 
 from dubins_study.report.data.attempts import (
     EXACT,
-    TOLERANCES,
-    false_claims,
     first_true,
     is_true,
     own,
@@ -38,14 +36,15 @@ from dubins_study.study.scenario_frame import solve_command
 from dubins_study.study.words import Claim, Outcome
 
 # The worth of a claim, compared with the check's verdict. True: it says no more than the verdict.
-# True to its tolerance: its bound is too high, or its path misses, by no more than the engine's
-# tolerance explains.
+# True to its tolerance: its bound is too high by no more than the engine's tolerance explains.
 # Better than claimed: a path arrives without a claim, or a shortest path is called feasible only.
 # Says nothing: no claim, and no path that arrives. Denial: a local engine found no path near its
 # last point where a path exists, which is no claim about the question. False: the claim, or its
 # bound, says more than the verdict.
 TRUTHS = ("true", "true to its tolerance", "better than claimed", "says nothing", "denial", "false")
 TRUE, TOLERATED, LESS, NOTHING, DENIAL, FALSE = TRUTHS
+# Two equations that are each off by the tolerance move the length by a small multiple of it.
+_TOLERANCES = 10.0
 _SILENT = ("failed", "limit", "none")
 # From dark to light with hatches, so that grey print keeps them apart.
 MARKS = (
@@ -64,7 +63,6 @@ _SHORT = {
     "its bound lies above the shortest length by its tolerance": "a bound high by its tolerance",
     "it calls a path optimal that is longer": "a longer path called optimal",
     "it calls a question infeasible that has a path": "no path, though one exists",
-    "it calls a path found that misses by its tolerance": "a path that misses by its tolerance",
     "it calls a path found that does not arrive": "a path that misses",
 }
 PROOFS = tuple(_SHORT)
@@ -87,18 +85,16 @@ def claims(compared: Compared) -> pd.DataFrame:
     scale = np.maximum(rows["reference_high"], rows["radius"])
     above: pd.Series[float] = (rows["lower_bound"] - rows["reference_high"]) / scale
     excess = above.where(high)
-    false = false_claims(rows)
-    misses = is_true(rows["false_claim"]) & ~false  # by its tolerance
     # Without a known tolerance nothing is explained: a comparison with NaN does not hold.
-    explained = excess <= TOLERANCES * rows["tolerance"]
-    false |= high & ~explained
+    explained = excess <= _TOLERANCES * rows["tolerance"]
+    false = is_true(rows["false_claim"]) | (high & ~explained)
     silent = claim.isin(_SILENT)
     less = silent & verdict.isin(["optimal", "longer"])
     less |= (claim == "feasible") & (verdict == "optimal")
     denial = rows["answerable"] & (claim == Claim.LOCALLY_INFEASIBLE)
     worths = {
         FALSE: false,
-        TOLERATED: high | misses,
+        TOLERATED: high,
         DENIAL: denial,
         LESS: less,
         NOTHING: silent,
@@ -109,10 +105,9 @@ def claims(compared: Compared) -> pd.DataFrame:
         high,
         (claim == "optimal") & (verdict == "longer"),
         claim == "infeasible",
-        misses,
     ]
-    proof = pd.Series(np.select(kinds, PROOFS[:5], PROOFS[5]), rows.index, dtype=object)
-    return rows.assign(truth=truth, proof=proof.where(false | high | misses), excess=excess)
+    proof = pd.Series(np.select(kinds, PROOFS[:4], PROOFS[4]), rows.index, dtype=object)
+    return rows.assign(truth=truth, proof=proof.where(false | high), excess=excess)
 
 
 def beliefs(rows: pd.DataFrame) -> pd.DataFrame:
@@ -200,15 +195,16 @@ def _liars(rows: pd.DataFrame, table: pd.DataFrame) -> str:
         listed = f" ({', '.join(kinds)})"
     number = some(int((table["false_claims"] > 0).sum()), "method")
     denials = int((rows["truth"] == DENIAL).sum())
-    optima = rows[rows["claim"] == Claim.OPTIMAL]
+    optima = rows[(rows["claim"] == Claim.OPTIMAL) & (rows["solver"] != EXACT)]
     wrong = int((is_true(optima["false_claim"]) & optima["verdict"].eq("longer")).sum())
     attempts = f"{some(attempts_made, 'attempt')} at legs and routes"
     liars = f"No method makes a false claim in {attempts}."
     if len(false):
         liars = f"In {attempts} {number} of {count(len(table))} made {claimed}{listed}."
     parts = [liars]
-    if len(false) and rows.loc[false.index, "tolerance"].isna().all():
-        parts.append("All are of engines that keep their makers' tolerances.")
+    by_makers = int(rows.loc[false.index, "tolerance"].isna().sum())
+    if by_makers:
+        parts.append(f"{count(by_makers)} of them keep the tolerances of the engine's makers.")
     if denials:
         parts.append(
             f"{some(denials, 'denial')} are counted apart: a local engine reports that no path is "
@@ -216,7 +212,9 @@ def _liars(rows: pd.DataFrame, table: pd.DataFrame) -> str:
         )
     if len(optima):
         claims_of_optima = some(len(optima), "claim")
-        parts.append(f"Of {claims_of_optima} that a path is optimal {count(wrong)} are false.")
+        parts.append(
+            f"Of {claims_of_optima} of engines that a path is optimal {count(wrong)} are false."
+        )
     return sentences(*parts)
 
 
@@ -290,8 +288,8 @@ def _proof_table(false: pd.DataFrame, names: pd.DataFrame) -> Table:
     )
     caption = (
         "Kinds of false claims, each with the example of the nearest target; the command repeats "
-        "it. What ten times the feasibility asked for explains, relative to the length, counts as "
-        "true to its tolerance. Lengths in the scenario's unit."
+        "it. A bound too high by at most ten times the feasibility asked for counts as true to its "
+        "tolerance. Lengths in the scenario's unit."
     )
     return Table("belief-false", caption, frame, shown, dense=True)
 

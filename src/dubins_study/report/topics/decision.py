@@ -15,7 +15,6 @@ from dubins_study.report.data.attempts import (
     ENOUGH_ASKED,
     ENOUGH_TO_CHOOSE,
     EXACT,
-    false_claims,
     first_true,
     is_true,
     legs_of,
@@ -89,7 +88,7 @@ def ends(rows: pd.DataFrame) -> dict[Hashable, dict[Any, float]]:
     # a right answer has no share here
     kinds_of_end = pd.get_dummies(first_true(conditions, "none"))
     flags = kinds_of_end.reindex(columns=_SHARES, fill_value=False)
-    counted = pd.DataFrame({"false_claims": false_claims(rows), "asked": was_asked})
+    counted = pd.DataFrame({"false_claims": is_true(rows["false_claim"]), "asked": was_asked})
     kinds = [rows[key] for key in _KIND]
     return flags.groupby(kinds).mean().join(counted.groupby(kinds).sum()).to_dict("index")
 
@@ -103,17 +102,17 @@ def stops(rows: pd.DataFrame, strata: Sequence[str]) -> dict[Hashable, str]:
     """
     routes = rows.assign(legs=legs_of(rows))
     routes = routes[routes["legs"].groupby(routes["experiment"]).transform("max") > 1]
-    keys = [*_KIND, "label", "solver"]
-    sizes = routes.groupby([*keys, "legs"], observed=True)
-    holds = (sizes["right"].mean() > 0.5) & (sizes["question"].nunique() > 1)
-    holds = holds.groupby(keys).cummin()  # a larger size after one that fails is luck
-    most = holds[holds].reset_index().groupby([*_KIND, "label"])["legs"].max()
+    kinds = [*_KIND, "label"]
+    sizes = routes.groupby([*kinds, "solver", "legs"], observed=True)
+    enough = sizes["question"].nunique() > 1
+    holds = (sizes["right"].mean() > 0.5) & enough
+    holds = holds.groupby([*kinds, "solver"]).cummin()  # a larger size after one that fails is luck
     labels = [label for label in strata if label in set(routes["label"])]
-    largest = most.unstack("label").reindex(columns=labels).fillna(0)
-    return {
-        kind: ", ".join(map(count, line))
-        for kind, line in zip(largest.index, largest.to_numpy(), strict=True)
-    }
+    asked = enough[enough].groupby(kinds).size().unstack().reindex(columns=labels)
+    most = holds[holds].reset_index().groupby(kinds)["legs"].max().unstack()
+    largest = most.reindex(index=asked.index, columns=labels).fillna(0)
+    texts = largest.map(count).where(asked.notna(), "–")
+    return {kind: ", ".join(line) for kind, line in zip(texts.index, texts.to_numpy(), strict=True)}
 
 
 def decision_section(results: Results) -> Section | None:
@@ -244,7 +243,7 @@ def _caption(experiments: list[str], *, few: bool, each: bool, routes: bool) -> 
     if routes:
         caption += (
             " Legs: the size up to which some engine is right on most routes, for each spacing, "
-            "long to short."
+            "long to short; –: not asked."
         )
     return caption
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Sequence
 from itertools import product
 
@@ -173,34 +172,29 @@ def presolve_pairs(methods: pd.DataFrame) -> list[Pair]:
 def presolve(evidence: Evidence) -> Finding | None:
     """The evaluations that dropping words by geometry saves.
 
-    The sentence has the factor over all methods; `question` has the medians of each method.
+    The sentence has the best supported median of a method; `question` has those of all.
     """
     table = evaluations(evidence.compared).replace(np.inf, np.nan)
     ratios = pd.DataFrame(index=table.index)
     for off, on in presolve_pairs(evidence.methods):
         if off in table and on in table:
             ratios[on] = table[off] / table[on]
-    logs = evidence.estimate_over_engines(ratios.map(math.log))
-    if logs is None or not logs.low > 0:
+    factors: dict[str, Estimate] = {}
+    for solver in map(str, ratios):
+        factor = evidence.median(ratios[solver])
+        if factor is not None:
+            factors[solver] = factor
+    if not factors or not min(factor.low for factor in factors.values()) > 1.0:
         return None
-    factor = Estimate(
-        value=math.exp(logs.value),
-        low=math.exp(logs.low),
-        high=math.exp(logs.high),
-        questions=logs.questions,
-    )
-    parts = []
-    for solver in ratios:
-        each = evidence.median(ratios[solver])
-        if each is not None:
-            parts.append(f"{each.text()} with {evidence.name(str(solver))}")
+    surest = max(factors, key=lambda solver: factors[solver].low)
+    parts = [f"{factors[solver].text()} with {evidence.name(solver)}" for solver in factors]
     return Finding(
-        "Drop the words that geometry excludes before you call an engine: this divides the "
-        f"evaluations of a question by {factor.text()}.",
-        factor,
-        f"{some(factor.questions, 'question')} with a path; geometric mean over questions and "
-        f"{some(len(ratios.columns), 'method')}, which some large savings raise; the medians: "
-        f"{', '.join(parts)}",
+        "Drop the words that geometry excludes before you call an engine: at the median this "
+        f"divides {evidence.methods['engine'][surest]}'s evaluations of a question by "
+        f"{factors[surest].text()}.",
+        factors[surest],
+        f"{some(factors[surest].questions, 'question')} with a path, with several guesses a word; "
+        f"medians: {', '.join(parts)}",
         "Cost where it arises",
     )
 
@@ -208,13 +202,15 @@ def presolve(evidence: Evidence) -> Finding | None:
 def price_of_proof(evidence: Evidence) -> Finding | None:
     """The fastest method with a proof against one without.
 
-    Both have the same formulation: else the ratio would compare formulations too.
+    Both have the same formulation and know the same of the answer: else the ratio would compare
+    these too.
     """
     ranked = evidence.ranked
     proves = ranked.index.isin(evidence.provers)
-    formulation = evidence.methods["formulation"].reindex(ranked.index)
-    first_local = formulation[~proves].reset_index().groupby("formulation")["solver"].first()
-    provers = formulation[proves & formulation.isin(first_local.index)]
+    methods = evidence.methods.reindex(ranked.index)
+    alike = methods["formulation"] + ": " + methods["knows"].fillna("")
+    first_local = alike[~proves].rename("alike").reset_index().groupby("alike")["solver"].first()
+    provers = alike[proves & alike.isin(first_local.index)]
     if provers.empty:
         return None
     prover = provers.index[0]
@@ -230,8 +226,8 @@ def price_of_proof(evidence: Evidence) -> Finding | None:
         f"{evidence.name(local)}.",
         ratio,
         f"{evidence.medians_of(prover, local)}; the fastest methods with and without a proof on "
-        f"one formulation. The method without one is right on {right.percent_text()} of the proved "
-        "questions",
+        "one formulation, which know the same of the answer. The method without a proof is right "
+        f"on {right.percent_text()} of the questions that the other answers",
         RANKS,
     )
 
@@ -255,8 +251,8 @@ def findings_section(results: Results) -> Section | None:
         return None
     text = (
         f"Every finding is computed from the results of at least {ENOUGH} questions. The "
-        "intervals of all sentences hold at once with 95 %. A difference is reported only if its "
-        "interval excludes zero difference."
+        "intervals in the first column hold at once with 95 %. A difference is reported only if "
+        "its interval excludes zero difference."
     )
     lead = f"Read {some(len(every), 'sentence')} to act on, the most important first."
     return Section("findings", "What the study found", text, (_table(every),), lead)
@@ -306,8 +302,9 @@ def _table(findings: list[Finding]) -> Table:
     )
     caption = (
         "Intervals: Wilson's for shares, else a bootstrap over scenarios, and over engines if none "
-        "is named; corrected for all possible sentences (Bonferroni). A ratio of times divides "
-        "medians over the questions that both answer. On routes it divides geometric means."
+        "is named; corrected for all possible sentences (Bonferroni). They leave out the machine's "
+        "speed. A ratio of times is of medians over the questions that both answer, of routes of "
+        "geometric means."
     )
     return Table("findings", caption, pd.DataFrame(findings), shown, stacked=True)
 

@@ -89,61 +89,54 @@ def _closed(rows: pd.DataFrame) -> Mask:
 def proof_of_routes(evidence: Evidence) -> Finding | None:
     """How many routes the search proves.
 
-    For each spacing, the search's time is compared with that of the best-supported engine without
-    proofs. If several engines have equal support, the fastest is taken.
+    For each spacing, the search's time is compared with that of an engine without proofs: the
+    fastest of those that are right on most routes of this spacing.
     """
     rows = routes_of(evidence)
     search = _search(evidence)
     ranked = _by_support(evidence, rows[~rows["solver"].isin(evidence.provers)])
-    if search.empty or ranked.empty:
+    names = ranked.index.difference(evidence.at_floor, sort=False)
+    if search.empty or names.empty:
         return None
-    line = ranked.iloc[0]
-    names = ranked.index[ranked["low"] == line["low"]].tolist()
-    proved = evidence.share_of(_closed(search).astype(float).groupby(search["question"]).mean())
+    closed = _closed(search)
+    proved = evidence.share_of(closed.astype(float).groupby(search["question"]).mean())
+    if proved is None:
+        return None
     right = rows[rows["right"]]
     times = right.pivot_table(index="question", columns="solver", values="wall_s", observed=True)
-    both = times.reindex(columns=[EXACT, *names]).dropna()
-    if proved is None or len(both) < ENOUGH_TO_CHOOSE or {*names} & {*evidence.at_floor}:
-        return None
-    engines = evidence.methods["engine"][names]
-    short = engines
-    if not engines.is_unique:
-        short = evidence.methods["name"]
-    ratios: list[Estimate] = []
-    compared: list[str] = []
-    left_out: list[str] = []
+    times = times.reindex(columns=[EXACT, *names])
     label = search.groupby("question")["label"].first()
+    ratios: list[Estimate] = []
+    parts: list[str] = []
     for spacing in label.unique():
-        part = both[label.reindex(both.index) == spacing]
-        if len(part) < ENOUGH:
-            left_out.append(f"{some(len(part), 'route')} with {spacing}")
-            continue
-        # geometric means choose the fastest engine and give the ratio
-        fastest = np.log(part[names]).mean().idxmin()
-        means = geometric_means(0.0)
-        each = evidence.compared.bootstrap(part, means, "value", fastest, of=evidence.of)
-        ratio = estimate_of(each.loc[[EXACT]], len(part))
-        ratios.append(ratio)
-        compared.append(
-            f"{ratio.text()} times as long as {short[fastest]} on {some(len(part), 'route')} with "
-            f"{spacing}"
-        )
+        of_spacing = closed[search["label"] == spacing]
+        part = f"with {spacing} it proves {of_spacing.sum()} of {len(of_spacing)}"
+        timed = times[label.reindex(times.index) == spacing]
+        answered = timed[names].notna().sum()
+        both = timed[[EXACT, *names[answered == answered.max()]]].dropna()
+        if len(both) >= ENOUGH:
+            # geometric means choose the fastest engine and give the ratio
+            fastest = np.log(both.drop(columns=EXACT)).mean().idxmin()
+            means = geometric_means(0.0)
+            each = evidence.compared.bootstrap(both, means, "value", fastest, of=evidence.of)
+            ratio = estimate_of(each.loc[[EXACT]], len(both))
+            ratios.append(ratio)
+            part += f" and takes {ratio.text()} times as long as {_named(evidence, fastest)}"
+        parts.append(part)
     if not any(ratio.is_clear(1.0) for ratio in ratios):
         return None
+    line = ranked.iloc[0]
     rival = chosen_share(line["share"], int(line["trials"]), len(ranked) * evidence.of)
     most = search["legs"].max()
     longest = search.loc[search["legs"] == most, "wall_s"].median()
-    rest = ""
-    if left_out:
-        rest = f"; too few to compare: {', '.join(left_out)}"
     return Finding(
         f"Use the search for a route: within its limit it proves {proved.percent_text()} of the "
         f"routes of 2 to {most} legs.",
         proved,
-        f"{some(proved.questions, 'route')}; with {most} legs the search takes {seconds(longest)}. "
-        f"The best supported without a proof: {_named(evidence, *names)}, right on "
-        f"{rival.percent_text()}. Where all are right, the search takes "
-        f"{' and '.join(compared)}{rest}",
+        f"{some(proved.questions, 'route')}, open ones included: {'; '.join(parts)} (the fastest "
+        f"engine of those right most often). With {most} legs the search takes {seconds(longest)}. "
+        f"The best supported without a proof, {_named(evidence, ranked.index[0])}, is right on "
+        f"{rival.percent_text()} of those not open",
         TITLE,
     )
 
@@ -250,7 +243,7 @@ def growth(evidence: Evidence) -> Finding | None:
     if EXACT in powers and EXACT not in (least, most):
         others.append(f"{named(EXACT)} by {doubled(EXACT)}")
     return Finding(
-        f"Plan for more legs: twice as many multiply the time of {name_of(most)} by "
+        f"Plan for more legs: with {label} twice as many multiply the time of {name_of(most)} by "
         f"{doubled(most)}.",
         power,
         f"{some(power.questions, 'route')} with {label}, of {rows['legs'].min()} to {largest} "

@@ -13,7 +13,6 @@ from dubins_study.report.data.attempts import (
     SUCCESSES,
     UNDECIDED,
     VERDICTS,
-    false_claims,
     is_true,
     methods,
     questions,
@@ -51,7 +50,7 @@ def solver_summary(attempts: pd.DataFrame) -> pd.DataFrame:
         **{name: verdict.eq(name) for name in VERDICTS},
         "attempts": answerable,
         "not_returned": ~returned,
-        "false_claims": false_claims(attempts),
+        "false_claims": is_true(attempts["false_claim"]),
         "wrong_basins": is_true(attempts["wrong_basin"]),
     }
     counts = {name: answerable & flag for name, flag in flags.items()}
