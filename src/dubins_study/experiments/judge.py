@@ -206,11 +206,12 @@ def read_answers(file: FilePath, by_id: dict[str, Asked]) -> dict[tuple[str, str
     """
     table = _table(file)
     missing = [name for name in COLUMNS if name not in table.names]
-    # such as the other columns of instances.csv
-    others = [name for name in table.names if name not in COLUMNS and not nearest(name, missing)]
-    names = [name for name in table.names if name not in others]
-    # the other columns may be left out
-    problems = table.problems + column_problems(names, _REQUIRED, COLUMNS[len(_REQUIRED) :])
+    # Columns of another kind, such as those of instances.csv, are passed over. An unknown column
+    # named like a missing one is likely a misspelling: it is refused.
+    unrelated = [name for name in table.names if name not in COLUMNS and not nearest(name, missing)]
+    names = [name for name in table.names if name not in unrelated]
+    optional = COLUMNS[len(_REQUIRED) :]
+    problems = table.problems + column_problems(names, _REQUIRED, optional)
     answers: dict[tuple[str, str], Reply] = {}
     places: dict[tuple[str, str], str] = {}
     rows = table.rows
@@ -244,7 +245,7 @@ def read_answers(file: FilePath, by_id: dict[str, Asked]) -> dict[tuple[str, str
     if problems:
         sentences = [Problem((), plain(problem)) for problem in problems]
         raise AnswersError(refusal(str(file), sentences))
-    note_passed_over(file, others)
+    note_passed_over(file, unrelated)
     return answers
 
 

@@ -226,6 +226,7 @@ def missed(elements: Elements, course: Course, rolled: Rollout | None = None) ->
     heading, if given, adds one: the turn that remains (rad). `rolled` is the elements' rollout if
     the caller has it.
     """
+    # gaps of legs add up to those of points
     gaps = np.cumsum((rolled or rollout(elements)).gaps(elements, course), axis=0).ravel()
     if course.last is None:
         return gaps
@@ -302,17 +303,21 @@ _WITHIN = 0.9  # the share of the way to a bound that a gentle step may go
 def closed(elements: Elements, rates: Rates, course: Course, equal: bool) -> Closed:
     """Change the controls as little as the points need.
 
-    Returns the changed elements. If `equal`, all elements of a leg grow by one factor.
+    Returns them with their miss, and the number of rollouts of both corrections.
 
-    Every variable is in units of its distance from its bounds. A variable that the solver left at a
-    bound therefore stays there. To first order the length changes by no more than if the points had
-    moved by the miss. If the path still misses, for instance because no variable is free on a
-    turning circle, the rates change as needed.
+    First the correction is gentle: every variable is in units of its distance from its bounds. A
+    variable that the solver left at a bound therefore stays there. To first order the length
+    changes by no more than if the points had moved by the miss. If `equal`, all elements of a leg
+    grow by one factor.
+
+    If that misses, for instance because no variable is free on a turning circle, a second
+    correction starts from the same elements, with one factor a leg and rates that may leave the
+    neighbourhood of their bounds.
     """
     gentle_result = corrected(elements, rates, course, equal=equal, gentle=True)
     if gentle_result.miss <= close_enough(course):
         return gentle_result
-    free_result = corrected(elements, rates, course)
+    free_result = corrected(elements, rates, course, equal=True)
     return free_result._replace(rollouts=gentle_result.rollouts + free_result.rollouts)
 
 

@@ -17,7 +17,7 @@ from scipy.integrate import solve_ivp
 
 from dubins_study.study.check.extremal import extremal, measure, pieces
 from dubins_study.study.check.route_extremal import route_costates, route_extremal, route_legs
-from dubins_study.study.check.two_arcs import FULL_RATE
+from dubins_study.study.check.two_arcs import RATE_TOLERANCE
 from dubins_study.study.closed_form.pose import pose_path, pose_shortest
 from dubins_study.study.closed_form.shortest import shortest_path
 from dubins_study.study.judging.certify import certify
@@ -201,7 +201,7 @@ def test_numbers_that_overflow_are_not_measured(curvature, length, radius):
     st.sampled_from([(1, 0), (-1, 0), (1, -1), (-1, 1), (1,), (-1,), (0,)]),
     st.floats(1e-3, 6.2),
     st.floats(1e-3, 6.2),
-    st.floats(-1, 1).map(lambda z: z * 0.9 * FULL_RATE),
+    st.floats(-1, 1).map(lambda z: z * 0.9 * RATE_TOLERANCE),
     st.floats(-4, 4),
     st.floats(0.1, 50),
 )

@@ -63,18 +63,19 @@ def _refuse(file: str, sentences: list[str]) -> None:
 
 
 def _check_columns(file: str, table: Table) -> list[str]:
-    """Refuse wrong columns; return the other unknown ones.
+    """Refuse wrong columns; return the unrelated ones.
 
-    A column is wrong if it is missing, there twice, or unknown and named like a missing one.
+    An unrelated column is unknown, and not named like a missing one. A column is wrong if it is
+    missing, there twice, or unknown and named like a missing one.
     """
     names = table.names
     missing = [name for name in COLUMNS if name not in names]
-    others = [name for name in names if not (name in COLUMNS or nearest(name, missing))]
-    sentences = scenario_column_problems([name for name in names if name not in others])
+    unrelated = [name for name in names if not (name in COLUMNS or nearest(name, missing))]
+    sentences = scenario_column_problems([name for name in names if name not in unrelated])
     if len(names) == 1 and ";" in names[0]:
         sentences = ["the columns are separated by semicolons; expected commas"]
     _refuse(file, sentences)
-    return others
+    return unrelated
 
 
 def _note_slips(file: str, scenarios: list[Scenario]) -> None:
@@ -98,8 +99,8 @@ def _note_slips(file: str, scenarios: list[Scenario]) -> None:
 def _value(name: str, row: dict[str, Any]) -> Any:
     """The value of a row's cell, or its default.
 
-    `row` has texts if the file is CSV: numbers among them are read here. An empty cell is refused
-    in a column that may not be empty.
+    `row` has texts if the file is CSV: numbers among them are read here. A heading stays a text.
+    An empty cell is refused in a column that may not be empty.
     """
     value = row.get(name)
     if value is None or value == "":
@@ -107,7 +108,7 @@ def _value(name: str, row: dict[str, Any]) -> Any:
             return DEFAULTS.get(name)
         raise TableFileError(f"{name} is empty; expected a number")
     if name.endswith("heading"):
-        # `Scenario` refuses a bare number beyond a full turn only if it is a text
+        # as a text, so that `Scenario` refuses 90 without a unit; 90.0 would pass as radians
         return str(value)
     if name == "closed" and value in _FLAGS:
         return _FLAGS[value]

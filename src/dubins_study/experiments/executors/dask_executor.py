@@ -124,6 +124,7 @@ class _Submission:
             for future in ended:
                 reply = self._reply(future)
                 if reply is None:
+                    # not fetched in time: asked for again, as the unit stays in `_units`
                     continue
                 unit = self._units.pop(future)
                 number = self._machines.setdefault(reply.machine, len(self._machines) + 1)
@@ -167,9 +168,10 @@ class _Submission:
             self._units[future] = unit
 
     def _reply(self, future: Any) -> UnitReply | None:
-        """A worker's reply, or None if it is lost.
+        """A worker's reply, or None if the fetch timed out.
 
-        A reply is lost if its worker has died. Dask then has another one solve the unit.
+        A fetch times out if the worker has died with the reply, among other things. Dask then has
+        another worker solve the unit. All other errors raise RunError.
         """
         if future.status == "cancelled":
             raise RunError(_LOST)

@@ -68,7 +68,8 @@ def solve_chains(
     The list is empty if none come for a while. Once a cell has its reply, the next cell of its
     chain is put first.
     """
-    for chain in unit.chains:  # compiles loops; in a worker the time limit would end that
+    for chain in unit.chains:
+        # compiles loops; in a worker the time limit would end that
         prepare(chain[0].scenario, chain[0].branch)
     for results in pool.solve(_first_jobs(unit), stop):
         rows = []

@@ -27,7 +27,7 @@ class Asked(NamedTuple):
 def asked_scenarios(block: Block, key: str, branches: Sequence[str]) -> list[Scenario]:
     """The scenarios of a block, checked for branches.
 
-    If a scenario cannot have a branch, an ExperimentError names `key`, the block's, and the
+    If a scenario cannot have a branch, an ExperimentError names the block's `key` and the
     scenario's number.
     """
     block_scenarios = list(scenarios(block, key))

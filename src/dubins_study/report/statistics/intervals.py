@@ -60,13 +60,13 @@ def wilson_intervals(successes: ArrayLike, trials: ArrayLike, of: int = 1) -> Fl
     return np.stack([low, np.where(k < n, high, 1.0)], axis=-1)
 
 
-def _tail(of: int) -> float:
+def _tail(intervals: int) -> float:
     """The probability beyond each end of an interval.
 
-    All `of` intervals hold at once with 95 % (Bonferroni), so each has a smaller tail: 0.025 /
-    `of`.
+    It is 0.025 divided by the number of intervals, so that all of them hold at once with 95 %
+    (Bonferroni).
     """
-    return (1 - LEVEL) / (2 * of)
+    return (1 - LEVEL) / (2 * intervals)
 
 
 def scenario_shares(
@@ -176,27 +176,28 @@ def bootstrap_of_both(table: pd.DataFrame, engines: Sequence[str], of: int = 1) 
     return _with_ends(means[:, np.newaxis], pd.Index(["all"]), of)
 
 
-def _resamples(of: int) -> int:
-    """The number of resamples for one of `of` intervals.
+def _resamples(intervals: int) -> int:
+    """The number of resamples for one of some intervals.
 
     One of several intervals needs more: fewer resamples lie in its smaller tails.
     """
-    if of == 1:
+    if intervals == 1:
         return RESAMPLES
     return _OF_SEVERAL
 
 
-def _with_ends(statistics: FloatArray, names: pd.Index[Any], of: int) -> pd.DataFrame:
+def _with_ends(statistics: FloatArray, names: pd.Index[Any], intervals: int) -> pd.DataFrame:
     """The estimates with the ends of their intervals.
 
     `statistics` has the shape (1 + resamples, columns). Its first row is of the data themselves,
-    the estimate. The result has a row per column, with the columns estimate, low, high.
+    the estimate. The result has a row per column, with the columns estimate, low, high. All
+    `intervals` of them hold at once (`_tail`).
     """
     frame = pd.DataFrame(statistics, columns=names)
     resampled = frame.iloc[1:]
     # values that occur: no interpolation towards infinity
-    low = resampled.quantile(_tail(of), interpolation="lower")
-    high = resampled.quantile(1 - _tail(of), interpolation="higher")
+    low = resampled.quantile(_tail(intervals), interpolation="lower")
+    high = resampled.quantile(1 - _tail(intervals), interpolation="higher")
     return pd.DataFrame({"estimate": frame.iloc[0], "low": low, "high": high})
 
 

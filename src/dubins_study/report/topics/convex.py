@@ -184,6 +184,7 @@ def _profiles(rows: pd.DataFrame, results: Results) -> Picture:
         title: performance_profile(time_table(timed[panels == title])) for title in order["title"]
     }
     engines = dict(zip(timed["name"], timed["engine"], strict=True))
+    # the hues of the whole page, looked up by the names of this figure
     palette = Palette(Palette.of(results.rows["engine"].unique()).hues, engines)
     caption = (
         "Performance profiles: the share of problems solved right within a factor of the fastest "
@@ -191,9 +192,18 @@ def _profiles(rows: pd.DataFrame, results: Results) -> Picture:
         "highest curve as best."
     )
     alt = "Performance profiles of QPs and SOCPs at each tolerance"
-    label = "time / time of the fastest right answer"
-    data = profiles, {name: name for name in engines}, palette, label, "share of problems"
-    return panels_picture("convex", caption, share_curves, alt, *data, same_x=False)
+    return panels_picture(
+        "convex",
+        caption,
+        share_curves,
+        alt,
+        shares=profiles,
+        names={name: name for name in engines},
+        palette=palette,
+        xlabel="time / time of the fastest right answer",
+        ylabel="share of problems",
+        same_x=False,
+    )
 
 
 def _engines(methods: pd.DataFrame, shift: float) -> Table:

@@ -46,8 +46,8 @@ def rungs(rows: pd.DataFrame) -> pd.DataFrame:
 
     - `right`: optimal, and as long as the scenario's shortest path.
     - `coarse`: longer, but with the same shape.
-    - `by its miss`: the check accepts the path as optimal, since it is the shortest to where it
-      ends. Yet it is shorter than the scenario's shortest path.
+    - `by its miss`: it ends beside the target, within the tolerance, where the way is much shorter.
+      The check accepts it, but it is no shortest path of the scenario.
     - `wrong basin`: longer, with another shape.
     - `no path`: no path was returned, or it does not arrive.
 
@@ -63,8 +63,14 @@ def rungs(rows: pd.DataFrame) -> pd.DataFrame:
     # shorter than any path to the target itself
     short = group["length"] < (1 - SHORTER) * group["reference_low"].fillna(0.0)
     basin = group["wrong_basin"].astype(bool)
-    kinds = [optimal & ~short, longer & ~basin, optimal & short, longer]
-    finding = np.select(kinds, FINDINGS[:4], default=FINDINGS[4])
+    # of the findings that an attempt fits, the first counts
+    kinds = {
+        "right": optimal & ~short,
+        "coarse": longer & ~basin,
+        "by its miss": optimal & short,
+        "wrong basin": longer,
+    }
+    finding = np.select(list(kinds.values()), list(kinds), default="no path")
     return pd.DataFrame(
         {
             "solver": group["solver"],

@@ -62,16 +62,19 @@ _WITHIN_S = (1, 10, 100)
 def with_points(rows: pd.DataFrame) -> pd.DataFrame:
     """The rows with four more columns.
 
-    points: the number of points. closes: whether the tour is proved to be shortest, or an engine
-    has solved its own program to the optimum. own_gap: the gap that the engine left in its own
-    program; NaN without a tour. bound_gap: how far the solver's bound lies below the shortest
-    length, relative to it; NaN without a bound.
+    - points: the number of points.
+    - closes: for a solver of the question itself, whether the tour is proved shortest. For an
+      engine with a program of its own, whether it solved that to the optimum. False if late.
+    - own_gap: the gap that the engine left in its own program; NaN without a tour.
+    - bound_gap: how far the solver's bound lies below the shortest length, relative to it; NaN
+      without a bound.
     """
     points = legs_of(rows) - is_true(rows["closed"])
-    solved = rows["native_status"].fillna("").str.lower().str.endswith(_OPTIMAL)
+    engine_optimal = rows["native_status"].fillna("").str.lower().str.endswith(_OPTIMAL)
     proved = rows["claim"].eq(Claim.OPTIMAL) & rows["verdict"].eq("optimal")
-    of_question = rows["solver"].eq(EXACT) | rows["formulation"].eq(_DISJUNCTION)
-    ended = proved.where(of_question, solved & rows["formulation"].isin(PROVING))
+    solves_question = rows["solver"].eq(EXACT) | rows["formulation"].eq(_DISJUNCTION)
+    has_program = rows["formulation"].isin(PROVING)
+    ended = proved.where(solves_question, engine_optimal & has_program)
     high = rows["reference_high"]
     below = (high - rows["lower_bound"]).clip(lower=0.0) / high
     reported = rows["message"].fillna("").str.extract(_OWN_GAP, expand=False)

@@ -111,9 +111,13 @@ class GlobalNlp(EngineSolver):
 
     @property
     def method(self) -> Method:
-        posed = formulation(self.model, self.order)
-        proves = max(self.gap, self.feastol)  # a bound may be too high by the tolerance
-        return Method(posed, self.library.label, "none", self.feastol, proves)
+        return Method(
+            formulation=formulation(self.model, self.order),
+            engine=self.library.label,
+            guess="none",
+            tolerance=self.feastol,
+            proves=max(self.gap, self.feastol),  # a bound may be too high by the tolerance
+        )
 
     def build(self, question: Question) -> PosedPrograms:
         leg = posed_leg(question, self.model, self.order, self.presolve)

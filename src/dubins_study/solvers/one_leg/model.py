@@ -122,8 +122,9 @@ class PosedLeg(NamedTuple):
 def posed_leg(question: Question, model: str, order: str, presolve: bool = False) -> PosedLeg:
     """The question with the cases to solve.
 
-    A word as branch is the only case. For `best` there is a case for each of the model's orders, or
-    for each word. `presolve` leaves out words that cannot exist.
+    The branch `best` has a case for each order that `order` names (one of `ORDERS`) if `model` is
+    "joint", else a case for each word. Any other branch is a word, the only case. `presolve` leaves
+    out words that cannot exist, but no order.
     """
     target = local(question.scenario)
     if model == "joint" and question.branch == "best":

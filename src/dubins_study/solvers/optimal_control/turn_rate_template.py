@@ -100,9 +100,16 @@ class QpTemplate:
         self.t = cp.Variable(legs)
         self.s = cp.Variable((4, legs))
         self.s_h = cp.Variable(2 * final)
-        # the shapes of the numbers, in their order
-        shapes = [(2, N), *[(2, legs)] * 3, (legs,), *[(N,)] * 5, *[(1,)] * 5]
+        # the shapes of the numbers, in the order of the fields of `Numbers`
+        shapes = [
+            (2, N),  # G
+            *[(2, legs)] * 3,  # P, q, r
+            (legs,),  # w
+            *[(N,)] * 5,  # upper, lower, above, below, c
+            *[(1,)] * 5,  # penalty, reach, stretch, h, r_h
+        ]
         ends = np.cumsum([np.prod(shape) for shape in shapes])
+        # all marks in one line, cut where the next number begins
         parts = np.split(_MARK + np.arange(ends[-1]), ends[:-1])
         marks = Numbers(*[part.reshape(shape) for part, shape in zip(parts, shapes, strict=True)])
         problem, self.ends = self.stated(marks)
@@ -115,6 +122,7 @@ class QpTemplate:
             values = _values(array)
             if values is not None:
                 where = np.flatnonzero((np.abs(values) >= _MARK) & np.isfinite(values))
+                # the number's place in the line of all numbers; `_solved` builds the same line
                 which = (np.abs(values[where]) - _MARK).astype(int)
                 self.places[key] = where, which, np.sign(values[where])
         self.memory: dict[str, Any] = {}  # the engine's, from one QP to the next

@@ -246,14 +246,18 @@ def scipy_search(options: OptionValues, name: str) -> Search:
 
 
 def minimize(options: OptionValues, method: str) -> Search:
-    """A method of `scipy.optimize.minimize` within the box."""
+    """A method of `scipy.optimize.minimize` within the box.
+
+    The search returns SciPy's message; `task.function` keeps the best point.
+    """
 
     def run(task: Task) -> str:
-        from scipy.optimize import minimize
+        from scipy import optimize
 
         limits = dict.fromkeys(("maxiter", "maxfev"), task.function.budget)
         chosen = {"bounds": task.bounds, "options": limits | options}
-        return str(minimize(task.function, task.guess, method=method, **chosen).message)
+        ended = optimize.minimize(task.function, task.guess, method=method, **chosen)
+        return str(ended.message)
 
     return run
 

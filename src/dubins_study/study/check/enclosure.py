@@ -225,7 +225,7 @@ def _below(ceiling: arb, options: Iterable[arb]) -> list[arb]:
 def _power(X: arb, Y: arb) -> arb:
     """Power w = 1 - |T - C_L|^2."""
     x, y = X.mid(), Y.mid()
-    return y * (2 - y) - x * x + _spread(X.rad(), x) + _spread(Y.rad(), 1 - y)
+    return y * (2 - y) - x * x + _change_of_square(X.rad(), x) + _change_of_square(Y.rad(), 1 - y)
 
 
 def _reach(X: arb, Y: arb) -> tuple[arb, arb]:
@@ -234,15 +234,15 @@ def _reach(X: arb, Y: arb) -> tuple[arb, arb]:
     They are |T - C_R|^2 - 1 and 9 - |T - C_R|^2.
     """
     x, y = X.mid(), Y.mid()
-    p = y * (y + 2) + x * x + _spread(X.rad(), x) + _spread(Y.rad(), 1 + y)
+    p = y * (y + 2) + x * x + _change_of_square(X.rad(), x) + _change_of_square(Y.rad(), 1 + y)
     return p, 8 - p
 
 
-def _spread(rad: arb, value: arb) -> arb:
-    """Change of a square.
+def _change_of_square(rad: arb, value: arb) -> arb:
+    """A ball that holds (value + d)^2 - value^2.
 
-    The value may change by up to `rad`. Balls that meet in a product count as independent: 2Y - Y^2
-    would spread twice as far.
+    It holds them for all |d| <= rad. Callers add it to a square of middles: with balls for X and Y,
+    interval arithmetic would take the two Y of 2Y - Y^2 for independent, and spread twice as far.
     """
     most = rad * (2 * abs(value) + rad)
     return most.union(-most)

@@ -27,9 +27,9 @@ from dubins_study.study.arrays import FloatArray
 from dubins_study.study.body_coordinates import EPS
 from dubins_study.study.check.two_arcs import (
     ABNORMAL,
-    FULL_RATE,
     NO_LENGTH,
     NO_TURN,
+    RATE_TOLERANCE,
     Word,
     costates,
     cut_margin,
@@ -129,7 +129,7 @@ def _word(u: list[float], length: list[float], free: bool) -> Word | None:
     # distance of the end from the end of the path at full rates
     distance = sum(map(mul, off, length)) * total
     allowed = allowed_miss(ARRIVES, radius=1.0, extent=0.0, length=total)
-    if max(off) > FULL_RATE or distance > allowed:
+    if max(off) > RATE_TOLERANCE or distance > allowed:
         return None
     arcs = list(zip(rates, length, strict=True))
     if arcs[0][0] == 0.0:
@@ -150,7 +150,7 @@ def _word(u: list[float], length: list[float], free: bool) -> Word | None:
 def pieces(rate: list[float], length: list[float]) -> tuple[list[float], list[float]]:
     """Rates and lengths (radii) of the pieces that matter.
 
-    Rates within `FULL_RATE` of +1, 0 or -1 are these, and neighbours of one rate are joined. A
+    Rates within `RATE_TOLERANCE` of +1, 0 or -1 are these, and neighbours of one rate are joined. A
     piece that turns by less than `NO_TURN` is straight, and a straight shorter than `NO_LENGTH` is
     left out: solvers return such arcs where they mean none.
 
@@ -171,7 +171,7 @@ def pieces(rate: list[float], length: list[float]) -> tuple[list[float], list[fl
 def _merged(rate: FloatArray, scaled: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Rates and lengths of the merged path of `pieces`."""
     whole = np.clip(np.round(rate), -1, 1)
-    u, length = _joined(np.where(np.abs(rate - whole) <= FULL_RATE, whole, rate), scaled)
+    u, length = _joined(np.where(np.abs(rate - whole) <= RATE_TOLERANCE, whole, rate), scaled)
     turns = np.abs(u) * length > NO_TURN
     if turns.all():
         return u, length
@@ -201,17 +201,20 @@ def _apart(u: list[float], length: list[float]) -> bool:
     """
     least = NO_LENGTH * min(1.0, sum(length))
     # first a test that a path cut into many steps fails at once
-    return all(abs(a - b) > FULL_RATE for a, b in pairwise(u)) and all(
-        (abs(k) > FULL_RATE and abs(k) * s > NO_TURN) or (k == 0 and s > least)
+    return all(abs(a - b) > RATE_TOLERANCE for a, b in pairwise(u)) and all(
+        (abs(k) > RATE_TOLERANCE and abs(k) * s > NO_TURN) or (k == 0 and s > least)
         for k, s in zip(u, length, strict=True)
     )
 
 
 def _joined(u: FloatArray, length: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Merge neighbours of one rate."""
+    """Merge neighbours whose rates are equal within `RATE_TOLERANCE`.
+
+    A merged piece keeps its first rate and the sum of lengths.
+    """
     if u.size < 2:
         return u, length
-    first = np.concatenate(([0], 1 + np.flatnonzero(np.abs(u[1:] - u[:-1]) > FULL_RATE)))
+    first = np.concatenate(([0], 1 + np.flatnonzero(np.abs(u[1:] - u[:-1]) > RATE_TOLERANCE)))
     joined: FloatArray = np.add.reduceat(length, first)
     return u[first], joined
 
@@ -291,7 +294,7 @@ def conditions(u: list[float], length: list[float], start: Pose) -> Conditions |
     """
     driven = np.array(length)
     # a straight that bends has a condition in its middle too: nu3 may vanish at its two ends only
-    halves = np.array([1 + (k != 0 and abs(k) < 1 - FULL_RATE) for k in u], np.intp)
+    halves = np.array([1 + (k != 0 and abs(k) < 1 - RATE_TOLERANCE) for k in u], np.intp)
     rates = np.repeat(u, halves)
     poses = corners(start, rates, np.repeat(driven / halves, halves)).tolist()
     stretch = max(1.0, float(driven.sum()))
@@ -304,7 +307,7 @@ def conditions(u: list[float], length: list[float], start: Pose) -> Conditions |
     ]
     if stretch > 1 / EPS or not math.isfinite(sum(map(sum, hamiltonian))):
         return None
-    straight = [abs(k) < 1 - FULL_RATE for k in pieces]
+    straight = [abs(k) < 1 - RATE_TOLERANCE for k in pieces]
     touching = map(or_, [*straight, False], [False, *straight])
     still = [
         (0.0, along / stretch, across / stretch, 1.0 / stretch)

@@ -11,7 +11,7 @@ from itertools import pairwise
 from dubins_study.study.angle import TWO_PI
 
 # largest distance from +1, -1 or 0 of a rate that names a letter
-FULL_RATE = 1e-9
+RATE_TOLERANCE = 1e-9
 # Pieces that matter for a certificate (docs/derivation.md, section 9).
 # rad; an arc that turns by less is straight
 NO_TURN = 1e-6

@@ -147,12 +147,17 @@ def word_in_body(
 def _left_straight_left(
     X: float, Y: float, s: float, c: float, delta: float
 ) -> tuple[float, float, float]:
-    """Segments of LSL, as `word_in_body`."""
+    """Segments of LSL: first arc, straight, last arc.
+
+    They lead to the end (X, Y) with sine s and cosine c of its heading, known to delta.
+    """
     half = 0.5 * delta
     x1, y1 = X - s, Y + (c - 1.0)
     x2, y2 = x1 * c + y1 * s, x1 * s - y1 * c
+    # the first arc is within its error of none: the last one turns the whole way
     if abs(y1) <= half and x1 >= -half:
         return 0.0, max(x1, 0.0), _turn(math.atan2(s, c), half)
+    # likewise the last arc
     if abs(y2) <= half and x2 >= -half:
         return _turn(math.atan2(s, c), half), max(x2, 0.0), 0.0
     t, q = math.atan2(y1, x1), math.atan2(y2, x2)
@@ -162,15 +167,21 @@ def _left_straight_left(
 def _left_straight_right(
     X: float, Y: float, s: float, c: float, delta: float
 ) -> tuple[float, float, float]:
-    """Segments of LSR, as `word_in_body`."""
+    """Segments of LSR: first arc, straight, last arc.
+
+    They lead to the end (X, Y) with sine s and cosine c of its heading, known to delta. All three
+    are NaN where the word has no path.
+    """
     half = 0.5 * delta
     x1, y1 = X + s, Y - (c + 1.0)
     x2, y2 = x1 * c + y1 * s, y1 * c - x1 * s
     square = x1 * x1 + (y1 - 2.0) * (y1 + 2.0)
-    if square < -2.0 * delta:
+    if square < -2.0 * delta:  # the circles overlap: LSR has no tangent between them
         return math.nan, math.nan, math.nan
+    # the first arc is within its error of none: the last one turns the whole way, to the right
     if abs(y1 + 2.0) <= half and x1 >= -half:
         return 0.0, max(x1, 0.0), _turn(math.atan2(-s, c), half)
+    # likewise the last arc: the first one turns the whole way, to the left
     if abs(y2 + 2.0) <= half and x2 >= -half:
         return _turn(math.atan2(s, c), half), max(x2, 0.0), 0.0
     p = math.sqrt(max(square, 0.0))
@@ -184,21 +195,27 @@ def _left_straight_right(
 def _left_right_left(
     X: float, Y: float, s: float, c: float, delta: float
 ) -> tuple[float, float, float]:
-    """Segments of LRL, as `word_in_body`."""
+    """Segments of LRL: first, middle and last arc.
+
+    They lead to the end (X, Y) with sine s and cosine c of its heading, known to delta. All three
+    are NaN where the word has no path.
+    """
     half = 0.5 * delta
     x1, y1 = X - s, Y + (c - 1.0)
     x2, y2 = x1 * c + y1 * s, x1 * s - y1 * c
     d = math.hypot(x1, y1)
-    if d > 4.0 + half:
+    if d > 4.0 + half:  # no middle circle touches both
         return math.nan, math.nan, math.nan
     if d <= half:  # one circle: a full turn of the middle arc
         return _turn(math.atan2(s, c), half), TWO_PI, 0.0
     # |C - (0, -1)|^2 - 4 of the last centre C: zero where the first arc vanishes
     first = x1 * x1 + y1 * (y1 + 4.0)
     last = x2 * x2 + y2 * (y2 + 4.0)
+    # the first arc is within its error of none: the middle and the last one turn the whole way
     if abs(first) <= 2.0 * delta and x1 <= half:
         p = TWO_PI - math.atan2(max(-x1, 0.0), y1 + 2.0)
         return 0.0, p, _turn(_principal(math.atan2(s, c) + p), half)
+    # likewise the last arc
     if abs(last) <= 2.0 * delta and x2 <= half:
         p = TWO_PI - math.atan2(max(-x2, 0.0), y2 + 2.0)
         return _turn(_principal(math.atan2(s, c) + p), half), p, 0.0

@@ -24,6 +24,7 @@ from dubins_study.study.route.leg_words import principal
 _PI = math.pi
 _ALL = 48  # headings of the whole circle
 _FINER = 0.5  # of one grid's width to the next
+_MOST_ROUNDS = 8  # on one grid; a round is a step forward and one back
 _STEP_BOXES = 3  # boxes a leg that take as long as a step
 _SURVEY_BOXES = 400  # boxes a leg that take as long as a survey
 _UNEQUAL = 0.1  # radii; if the costs of a point's headings differ by less, none is skipped
@@ -270,15 +271,22 @@ def shorten(
 ) -> None:
     """Shorten a route in place, on finer grids.
 
-    Grids lie about the headings, with the edges near them. The distance of a grid's headings goes
-    from the first to the second of `widths` (rad).
+    Grids lie about the headings, with the edges near them.
+
+    Args:
+        legs: steps between points, shape (n, 2).
+        headings: at the n + 1 points (rad), changed in place.
+        free: which of them may move, shape (n + 1,).
+        widths: the distance (rad) of the headings on the first grid, and the distance that is too
+            fine for a grid.
     """
     width, finest = widths
     while width > finest:
-        for _ in range(8):
+        for _ in range(_MOST_ROUNDS):
             if effort.spend(2 * _STEP_BOXES * len(legs)):
                 return
             moved = False
+            # chains of edges are followed one way at a time: from the start, then from the end
             for back in (False, True):
                 moved |= _step(
                     legs, headings, free, width, back=back, grid=_FINE_GRID, effort=effort

@@ -29,13 +29,16 @@ NO_WORD = -1
 def box_bound(box: Box) -> tuple[float, int]:
     """Lower bound over a box, and its word.
 
-    The length is the one with the potential (`Box`). The word is the one that gives the bound, as a
-    place in `WORDS6`; `NO_WORD` if there is no path.
+    The bound is for the length plus the potential's slopes times the turns from the middle headings
+    (see `Box`). The word is the one that gives the bound, as a place in `WORDS6`; `NO_WORD` if
+    there is no path.
     """
     best = math.inf
     word = NO_WORD
-    # places in `WORDS6`: LSL 0, LSR 2, LRL 5; of the mirror images 1, 3 and 4
+    # RLR and LRL are shortest only where the ends are within 4 radii; 1e-12 is for rounding
     near = box.x * box.x + box.y * box.y < 16.0 + 1e-12
+    # 0: the words LSL, LSR and LRL, at the places 0, 2 and 5 of `WORDS6`;
+    # 1: their mirror images RSR, RSL and RLR, at 1, 3 and 4
     for image in range(2):
         if image == 1:
             box = mirrored(box)
