@@ -191,7 +191,7 @@ def findings(rows: pd.DataFrame, page: str) -> Iterator[Number]:
     if printed == "-":
         return  # what these rows do not carry
     yield Number("routes that the search proves", printed, percent(float(closed)))
-    printed = one(r"[Ww]ith \d+ legs the search takes ([\d.]+ m?s)", text)
+    printed = one(r"[Ww]ith \d+ legs it takes ([\d.]+ m?s)", text)
     most = routes.loc[legs[routes.index] == legs[routes.index].max(), "wall_s"].median()
     seconds = f"{1000 * most:.0f} ms" if most < 1 else f"{most:.2f} s"
     yield Number("seconds for the longest", printed, seconds)

@@ -121,7 +121,10 @@ def proof_of_routes(evidence: Evidence) -> Finding | None:
             each = evidence.compared.bootstrap(both, means, "value", fastest, of=evidence.of)
             ratio = estimate_of(each.loc[[EXACT]], len(both))
             ratios.append(ratio)
-            part += f" and takes {ratio.text()} times as long as {_named(evidence, fastest)}"
+            engine = evidence.methods["engine"][fastest]
+            if "words" in evidence.knows(fastest).split():
+                engine = f"{engine} (given the words)"
+            part += f", {ratio.text()} times as slow as {engine}"
         parts.append(part)
     if not any(ratio.is_clear(1.0) for ratio in ratios):
         return None
@@ -133,9 +136,9 @@ def proof_of_routes(evidence: Evidence) -> Finding | None:
         f"Use the search for a route: within its limit it proves {proved.percent_text()} of the "
         f"routes of 2 to {most} legs.",
         proved,
-        f"{some(proved.questions, 'route')}, open ones included: {'; '.join(parts)} (the fastest "
-        f"engine of those right most often). With {most} legs the search takes {seconds(longest)}. "
-        f"The best supported without a proof, {_named(evidence, ranked.index[0])}, is right on "
+        f"{some(proved.questions, 'route')}, open ones too: {'; '.join(parts)}. Beside it stands "
+        f"the fastest of those right most often. With {most} legs it takes {seconds(longest)}. The "
+        f"best supported without a proof, {_named(evidence, ranked.index[0])}, is right on "
         f"{rival.percent_text()} of those not open",
         TITLE,
     )
