@@ -106,9 +106,7 @@ def _alternating(places: Places, order: list[int]) -> FloatArray:
         It begins there, or ends there if k - `first` is odd. Beyond the first or the last leg that
         one counts.
         """
-        leg = k
-        if (k - first) % 2 == 1:
-            leg = k - 1
+        leg = k - (k - first) % 2
         return min(max(leg, 0), len(bearings) - 1)
 
     headings = np.zeros(len(order))

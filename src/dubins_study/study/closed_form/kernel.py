@@ -116,9 +116,8 @@ def shortest_rows(*columns: ArrayLike, branch: str = "best", out: Rows | None = 
     if branch == "best":
         _best_rows(n, scenarios, rows)
     elif branch in BRANCHES:
-        arcs = branch in ("LR", "RL")
-        right = branch in ("RS", "LR")
-        _word_rows(scenarios, arcs, right, rows)
+        # `arcs`: two arcs, else one and a straight; `right`: the mirror image of LS or RL
+        _word_rows(scenarios, branch in ("LR", "RL"), branch in ("RS", "LR"), rows)
     else:
         raise ValueError(f"no branch {branch!r}; choose one of: {', '.join(BRANCHES)}")
     return rows

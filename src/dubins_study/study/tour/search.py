@@ -204,8 +204,7 @@ class _TourSearch:
             if self.n <= _ALL_ORDERS:
                 self._search_all()
             elif size is not None:
-                _, intervals, remembered = size
-                self._prove(intervals, remembered)
+                self._prove(*size[1:])  # first intervals at each point, and points remembered
         except SpentError:
             _LOG.info("the search has spent its effort")
         if self.best is None:  # an answer in any case, whatever the limit
