@@ -366,7 +366,8 @@ def _moved(
     """The elements after one step of the correction.
 
     The step is the shortest one that solves the linearised equations. Rates stop at their bounds.
-    `by_length` holds the derivatives by growth: one column an element, or one a leg.
+    `by_length` holds the derivatives by growth: one column a leg if all elements of a leg grow by
+    one factor, else one column an element.
     """
     rate = elements.rate
     n = rate.size

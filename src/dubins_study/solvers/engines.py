@@ -214,6 +214,8 @@ def _of_sqp(**inner: Any) -> Options:
     return Options(("tol_pr",), ("tol_du",), "max_iter", always, _PRINTS_NOTHING)
 
 
+# `Options` without names are, in this order: feasibility, optimality, iterations, always, why,
+# tuned, source.
 ENGINES = {
     "slsqp": _nlp(
         "SLSQP", "scipy", "scipy_minimize:slsqp", Options(("ftol",), ("ftol",), "maxiter")

@@ -200,6 +200,7 @@ def _grid_texts(solver: Any, question: Question) -> Texts:
     graph, program = solver.build(question)
     if graph.places.count > 2 and getattr(solver, "model", "") == "cuts":
         raise ExportError("tour-milp[model=cuts] adds rows while it runs; expected flow or mtz")
+    # the fields of `LinearProgram` are the parameters of `highs_rows`, in their order
     linear = highs_rows(*program)
     ends = [f"p{place}h{h:.6f}" for place, h in zip(graph.owner, graph.headings, strict=True)]
     arcs = zip(graph.tails.tolist(), graph.heads.tolist(), strict=True)

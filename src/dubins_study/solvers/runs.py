@@ -113,7 +113,7 @@ def run_attempts(attempts: Iterable[Attempts[Guess, Point]], until: float) -> li
     """
     runs: list[Run[Point]] = []
     subproblems = list(attempts)
-    # `remaining` counts the subproblems from this one on
+    # `ended` counts the subproblems before this one
     for ended, (guesses, solve, enough) in enumerate(subproblems):
         began = perf_counter()
         end = began + (until - began) / (len(subproblems) - ended)

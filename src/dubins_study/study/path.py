@@ -234,7 +234,7 @@ class Path:
         if not 0 < size < math.inf or not total / size <= _MOST_POINTS:
             most = f"at most {_MOST_POINTS} poses of a finite path"
             raise ValueError(f"step is {short(step)}; expected a number above 0 and {most}")
-        # a last step of rounding alone is no step
+        # a path without length has one pose only
         steps = 0
         if total > 0:
             # a remainder that is only rounding gets no step of its own

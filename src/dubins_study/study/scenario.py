@@ -132,6 +132,7 @@ class Scenario:
                 final_heading=final_heading,
                 via=self.via,
             )
+        # in the order of `NUMBERS`, then the final heading
         numbers = (x, y, heading, target_x, target_y, radius, speed, final_heading)
         for name, value in zip((*NUMBERS, "final_heading"), numbers, strict=True):
             if name in HEADINGS:
@@ -319,13 +320,13 @@ class Scenario:
         """
         free_start = self.heading is None
         return (
-            bool(self.via),
-            bool(self.via) or free_start,
-            self.final_heading is not None or (self.closed and not free_start),
-            self.via_heading is not None,
-            free_start,
-            self.order is Order.FREE,
-            self.closed,
+            bool(self.via),  # via
+            bool(self.via) or free_start,  # searched
+            self.final_heading is not None or (self.closed and not free_start),  # final_heading
+            self.via_heading is not None,  # via_heading
+            free_start,  # free_start
+            self.order is Order.FREE,  # order
+            self.closed,  # closed
         )
 
     @property
@@ -414,7 +415,8 @@ def _via(points: Any, radians: bool) -> tuple[tuple[float, ...], ...]:
 def _heading(name: str, value: float | str | None, radians: bool, stacklevel: int) -> float | None:
     """Heading (rad), or None if it is free.
 
-    A number that seems to be in degrees gives a warning.
+    A number that seems to be in degrees gives a warning, unless `radians` says that it is not.
+    `stacklevel` is that of the warning: the call of `Scenario`.
     """
     if value is None or (isinstance(value, str) and value == FREE):
         return None
@@ -446,8 +448,8 @@ def _refuse_target(
 ) -> None:
     """Refuse a target where the scenario may have none.
 
-    That is a closed path, or a tour that may end at any point. Both need a via point too: `passes`
-    says whether there is one.
+    That is a closed path, or a tour that may end at any point. Both need a via point too, so
+    that `via` may not be empty.
     """
     fields = {"target_x": target_x, "target_y": target_y, "final_heading": final_heading}
     for name, value in fields.items():

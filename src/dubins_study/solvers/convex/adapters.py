@@ -110,7 +110,7 @@ def conic(problem: Problem) -> Conic:
     sizes = [each.shape[0] for each in A]
 
     def back(x: FloatArray, s: FloatArray) -> Point:
-        # multipliers of lower ends and lower bounds count as negative
+        # parts in the order of A; multipliers of lower ends and lower bounds count as negative
         parts = np.split(s, np.cumsum(sizes)[:-1])
         y = np.zeros(m)
         y[equal] = parts[0]
@@ -367,7 +367,7 @@ def daqp(problem: Problem) -> Prepared:
 
     def solve(options: OptionValues) -> Ended:
         result = library.solve(P, problem.q, A, high, low, sense, **options)
-        x, _, _, info = result
+        x, _, _, info = result  # between them the objective and the status
         z, y = np.split(np.array(info["lam"]), (n,))
         return Ended(result, _point(x, y, z), info["iterations"])
 
@@ -456,7 +456,8 @@ _MANY = 10**7  # iterations: the time limit ends first
 _INFO_STATUS = attrgetter("info.status")
 _INFO_STATUS_NAME = attrgetter("info.status.name")
 
-# Where cvxpy has other defaults than the maker, the maker's are used.
+# Where cvxpy has other defaults than the maker, the maker's are used. The values without names are,
+# in this order: label, package, adapter, status.
 ENGINES = {
     "piqp": Engine(
         "PIQP",

@@ -154,7 +154,13 @@ class Disjunctive(EngineSolver):
         proves = None
         if self.runs is None:
             proves = max(self.gap, 2 * self.feastol)
-        return Method("disjunction", self.library.label, "none", self.feastol, proves)
+        return Method(
+            formulation="disjunction",
+            engine=self.library.label,
+            guess="none",
+            tolerance=self.feastol,
+            proves=proves,
+        )
 
     def build(self, question: Question) -> PosedDisjunction | Solution:
         scenario = question.scenario

@@ -312,7 +312,10 @@ def _whole_turns(m: Any, point: int) -> Any:
 
 
 def pieces(word: str, alpha: float, gamma: float, w: float, beta: float) -> FloatArray:
-    """Lengths of a word's pieces, (2,) or (3,)."""
+    """Lengths (radii) of a word's pieces.
+
+    Shape (2,) for a word of two letters, (3,) for one of three.
+    """
     if len(word) == 2:
         last = gamma
         if word[1] == "S":

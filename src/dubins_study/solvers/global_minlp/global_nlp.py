@@ -200,7 +200,7 @@ def _program(case: Case, lifted: bool) -> MixedProgram:
     if lifted and len(subproblem.free) == 3:
         lower = np.append(posed.lower, -TWO_PI)
         upper = np.append(posed.upper, TWO_PI)
-        posed = Program(_with_heading(), posed.p, lower, upper)
+        posed = Program(_with_heading(), p=posed.p, lower=lower, upper=upper)
     return mixed_program(posed)
 
 

@@ -79,7 +79,12 @@ class Shooting(Solver):
 
     @property
     def method(self) -> Method:
-        return Method("Pontryagin's system", ENGINES[self.root].label, self.initial_guess, self.tol)
+        return Method(
+            formulation="Pontryagin's system",
+            engine=ENGINES[self.root].label,
+            guess=self.initial_guess,
+            tolerance=self.tol,
+        )
 
     def build(self, question: Question) -> PosedLeg:
         return posed_leg(question, "words", "both", self.presolve)

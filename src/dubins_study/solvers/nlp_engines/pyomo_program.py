@@ -98,7 +98,9 @@ def asked(model: PyomoProgram, engine: NlpCall, native: bool) -> Ask:
             low = np.append(low, lowest[inequalities])
             high = np.append(high, highest[inequalities])
         magnitude = 1.0 + float(np.abs(data).sum())
-        program = Program(expressions, data, low, high, magnitude=magnitude, bounds=bounds)
+        program = Program(
+            expressions, p=data, lower=low, upper=high, magnitude=magnitude, bounds=bounds
+        )
         result = engine(program, begin, seconds)
         point = np.empty(n)
         point[order] = result.x[:n]

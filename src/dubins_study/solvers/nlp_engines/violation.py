@@ -75,7 +75,8 @@ def _least_sum(
     """The least sum of violations over a box.
 
     The linear program is min sum t over steps d in the box, with -t - below <= J d <= t + above.
-    NaN if it is not solved.
+    Here `above` is the upper end less g, and `below` is g less the lower end, shape (m,). NaN if it
+    is not solved.
     """
     from scipy.optimize import linprog
     from scipy.sparse import csr_array, eye_array, hstack, vstack

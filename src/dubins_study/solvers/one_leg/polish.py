@@ -107,9 +107,10 @@ def one_sided_only(question: Question, target: Local, path: Path) -> str | None:
 def polish(case: Case, z: FloatArray) -> tuple[FloatArray, float]:
     """Move a case's z nearest to the target.
 
-    Returns two values: the moved point, and its miss (radii). Each step is Newton's step on the two
-    equations, or the shortest least squares step. The step is cut to the lengths that the case
-    allows and halved until it gains. z, shape (3,), is in the case's own order of turns.
+    Returns two values: the moved point, and its miss (radii). Each step solves the two
+    linearised equations: with two free lengths it is Newton's step, with three the shortest such
+    step. The step is cut to the lengths that the case allows and halved until it gains. z, shape
+    (3,), is in the case's own order of turns.
     """
     X, Y, _ = case.target
     free = list(case.subproblem.free)

@@ -79,9 +79,9 @@ class MultipleShooting(NlpTranscription):
         final = course.last is not None
         program = Program(
             expressions(self.n, signs, equal, legs, final),
-            course.data,
-            lower,
-            upper,
+            p=course.data,
+            lower=lower,
+            upper=upper,
             magnitude=course.magnitude,
         )
         result = engine(program, np.clip(begin, lower, upper), until - perf_counter())

@@ -56,7 +56,8 @@ _SAME = 1e-6  # relative; among answers this close, one that its engine calls a 
 class Guess(NamedTuple):
     """An initial guess and its name.
 
-    `subproblem` is the word whose shape the guess has, or the guess's kind, or `warm`.
+    `subproblem` is the word if the guess has a word's shape, `warm` if it is the question's own
+    path, and else the guess's kind.
     """
 
     subproblem: str

@@ -80,7 +80,12 @@ class TurnRateQp(Transcription):
 
     @property
     def method(self) -> Method:
-        return Method("turn rates", self.library.label, self.initial_guess, self.tolerance)
+        return Method(
+            formulation="turn rates",
+            engine=self.library.label,
+            guess=self.initial_guess,
+            tolerance=self.tolerance,
+        )
 
     def template(self, course: Course) -> Template:
         qp = template(self.n, course.legs, course.last is not None, self.engine)

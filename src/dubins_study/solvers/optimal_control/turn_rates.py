@@ -78,9 +78,9 @@ class TurnRates(NlpTranscription):
             upper = rates.upper * most.ravel()
             program = Program(
                 expressions(n, legs, course.last is not None),
-                np.concatenate((course.data, shares.ravel())),
-                np.append(lower, np.zeros(legs)),
-                np.append(upper, np.full(legs, np.inf)),
+                p=np.concatenate((course.data, shares.ravel())),
+                lower=np.append(lower, np.zeros(legs)),
+                upper=np.append(upper, np.full(legs, np.inf)),
                 magnitude=course.magnitude,
             )
             leg_lengths = guess.elements.length.reshape(legs, n).sum(axis=1)

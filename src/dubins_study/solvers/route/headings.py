@@ -294,7 +294,13 @@ def program(route: Route, functions: Functions | None = None) -> Program:
     They have no bounds.
     """
     free = np.full(route.unknowns, np.inf)
-    return Program(_no_expressions, free[:0], -free, free, functions or _functions(route))
+    return Program(
+        _no_expressions,
+        p=free[:0],
+        lower=-free,
+        upper=free,
+        written=functions or _functions(route),
+    )
 
 
 def _no_expressions() -> Expressions:

@@ -74,7 +74,7 @@ class PosedRoute(NamedTuple):
     route: Route
     places: Places
     program: Program
-    known: FloatArray | None  # of model `words`: the headings to which its words belong
+    grid_headings: FloatArray | None  # of model `words`: those to which its words belong
 
 
 @dataclass(frozen=True)
@@ -134,12 +134,12 @@ class RouteNlp(EngineSolver):
     def build(self, question: Question) -> PosedRoute:
         route = route_of(question.scenario)
         places = (_ALL,) * route.legs
-        known = None
+        grid_headings = None
         if self.model == "words":
             tour = places_of(question.scenario)
-            known = headings_on_grid(tour, list(range(tour.count)), self.headings)
-            places = word_places(route, known)
-        return PosedRoute(question, route, places, program(route, places), known)
+            grid_headings = headings_on_grid(tour, list(range(tour.count)), self.headings)
+            places = word_places(route, grid_headings)
+        return PosedRoute(question, route, places, program(route, places), grid_headings)
 
     def solve(self, model: PosedRoute, limit: float) -> Solution:
         places = model.places
@@ -172,9 +172,9 @@ class RouteNlp(EngineSolver):
         if self.initial_guess in ("bearing", "one"):
             yield turned_guess(route)
             if self.initial_guess == "bearing" and route.target is not None:
-                yield words_guess(route, model.known)
+                yield words_guess(route, model.grid_headings)
         elif self.initial_guess == "words":
-            yield words_guess(route, model.known)
+            yield words_guess(route, model.grid_headings)
         elif self.initial_guess == "straight":
             yield straight_guess(route)
         elif self.initial_guess == "zero":
@@ -227,15 +227,15 @@ def program(route: Route, places: Places = ()) -> Program:
     upper = np.where(_ARCS, TWO_PI, math.inf)
     highest = np.tile([*upper, math.inf], route.legs)
     lowest = np.tile([*np.zeros(_ARCS.size), -math.inf], route.legs)
-    known = any(leg != _ALL for leg in places)
+    words_known = any(leg != _ALL for leg in places)
     turns = [_TURNS[place] for leg in places for place in leg]
-    if not known:
+    if not words_known:
         turns = []
     return Program(
-        expressions(tuple(map(len, places)), route.last is not None, known),
-        np.concatenate((route.steps.ravel(), route.given_headings, turns)),
-        _unknowns_of(lowest, places),
-        _unknowns_of(highest, places),
+        expressions(tuple(map(len, places)), route.last is not None, words_known),
+        p=np.concatenate((route.steps.ravel(), route.given_headings, turns)),
+        lower=_unknowns_of(lowest, places),
+        upper=_unknowns_of(highest, places),
         magnitude=float(np.hypot(*route.steps.T).max()),
     )
 
@@ -321,6 +321,7 @@ def turned_guess(route: Route) -> FloatArray:
     The turn at each point goes the shorter way round toward the next point.
     """
     first, straight, last = route.turned().T
+    # L R S L R: a turn to the right is one to the left with the other sign
     arcs = (np.maximum(turn, 0.0) for turn in (first, -first, straight, last, -last))
     return _point(route, np.column_stack(list(arcs)))
 

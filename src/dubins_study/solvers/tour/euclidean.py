@@ -27,7 +27,7 @@ def euclidean_order(places: Places, until: float) -> list[int]:
     if places.in_order or len(via) < 2:
         return list(range(m))
     between = np.hypot(*(places.points[:, None] - places.points[None]).T)
-    last = [m - 1] * places.with_target
+    last = [m - 1] * places.with_target  # empty without a target
     if len(via) > _MOST_EXACT:
         return _improved(places, [0, *_nearest(between, via), *last], until)
     ends = np.zeros(m)

@@ -85,7 +85,7 @@ class TourRun(NamedTuple):
 def graph_of(question: Question, count: int, costs: str) -> Graph:
     """The graph of a question.
 
-    Each place has `count` headings or intervals.
+    Each place has `count` headings, or intervals if `costs` is `bounds`.
     """
     places = places_of(question.scenario)
     grid = places.headings(count)

@@ -96,6 +96,7 @@ def _with_flow(program: LinearProgram, z: csr_array, i: IntArray, j: IntArray) -
     places = int(j.max()) + 1
     net_inflow = (_ones(j, flows, places) - _ones(i, flows, places))[1:]
     most = np.where(i == 0, places - 1.0, places - 2.0)
+    # the rows: what each place keeps, then the limit of each flow
     return _extended(
         program,
         [[None, net_inflow], [z.multiply(-most[:, None]), _ones(flows, flows, i.size)]],

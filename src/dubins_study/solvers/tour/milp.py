@@ -49,7 +49,7 @@ class TourMilp(EngineSolver):
         costs: `lengths` of legs between headings give an optimum of the grid, and no bound.
             `bounds` of legs between intervals of headings give a bound of the question; the tour
             then has the best headings of the grid in the order that is found.
-        headings: headings or intervals at each point.
+        headings: number of headings at each point; with `bounds` of intervals.
         gap: relative gap at which the engine calls an answer optimal.
         polish: whether the headings of the tour are improved at the end, off the grid; by this
             package, not the engine.

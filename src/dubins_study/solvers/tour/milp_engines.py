@@ -52,6 +52,7 @@ def _highs(program: LinearProgram, settings: Settings, seconds: float) -> Proven
         "mip_feasibility_tolerance": settings.feastol,
         "primal_feasibility_tolerance": settings.feastol,
     }
+    # the fields of `LinearProgram` are the parameters of `highs_rows`, in their order
     solver = highs_run(highs_rows(*program), options)
     info = solver.getInfo()
     status = solver.getModelStatus().name

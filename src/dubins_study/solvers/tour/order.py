@@ -94,17 +94,19 @@ def _alternating(places: Places, order: list[int]) -> FloatArray:
 
     Shape (legs + 1,). The first of these legs begins at the start if the heading there is free,
     else at the point after it. A given heading at one of its ends stays. A point that is left over
-    heads for the next point, or keeps the direction of the last leg.
+    heads for the next point; the last point keeps the direction of the last leg.
     """
     steps = places.steps(order)
     bearings = np.arctan2(steps[:, 1], steps[:, 0])
     first = int(places.given[0] is not None)
 
     def straight_leg(k: int) -> int:
-        """The straight leg that begins or ends at point k."""
-        leg = k
-        if (k - first) % 2 == 1:
-            leg = k - 1
+        """The straight leg at point k.
+
+        It begins there, or ends there if k - `first` is odd. Beyond the first or the last leg that
+        one counts.
+        """
+        leg = k - (k - first) % 2
         return min(max(leg, 0), len(bearings) - 1)
 
     headings = np.zeros(len(order))

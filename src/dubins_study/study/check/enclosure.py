@@ -87,6 +87,7 @@ def enclose(scenario: Scenario, branch: str = "best") -> Enclosure:
         X, Y = _targets(scenario)
         if branch == "best":
             return _outwards(_best(X, abs(Y)), absent=False, radius=scenario.radius)
+        # RS and LR are the mirror images of LS and RL
         word = _left_straight if branch in ("LS", "RS") else _right_left
         parts, absent = word(X, -Y) if branch in ("RS", "LR") else word(X, Y)
         return _outwards(parts, absent, scenario.radius)
@@ -154,7 +155,7 @@ def _doubles(ball: arb) -> Part:
 
 
 def _best(X: arb, y: arb) -> list[arb]:
-    """Lengths of the shortest paths of all.
+    """Lengths of the shortest paths, whatever their words.
 
     y is |Y|, since the mirror image is as long.
     """
@@ -196,6 +197,7 @@ def _right_left(X: arb, Y: arb) -> tuple[list[arb], bool]:
     w = _power(X, Y)
     parts: list[arb] = []
     for inside in (False, True):
+        # unless all targets are on the other side of the left circle
         if not (w <= 0 if inside else w > 0):
             solutions = right_left_solutions(X, Y, inside)
             parts += _below(_ceiling_of(solutions), [*chain(*solutions)])
@@ -251,9 +253,9 @@ def _change_of_square(rad: arb, value: arb) -> arb:
 def _tangents(X: arb, Y: arb, w: arb, ahead_of_axis: bool) -> list[arb]:
     """LS of targets outside the left disc.
 
-    The targets are on one side of the axis: Y >= 0, or Y < 0. T seen from C_L lies s along and 1
-    across the direction of arrival, so that the arc is T's polar angle there less atan(s). The
-    length is the angle plus s - atan(s), which grows with s.
+    The targets are on one side of the axis: Y >= 0 if `ahead_of_axis`, else Y < 0. T seen from C_L
+    lies s along and 1 across the direction of arrival, so that the arc is T's polar angle there
+    less atan(s). The length is the angle plus s - atan(s), which grows with s.
     """
     s = (-w).nonnegative_part().sqrt()
     low, high = s.lower(), s.upper()
@@ -268,14 +270,16 @@ def _tangents(X: arb, Y: arb, w: arb, ahead_of_axis: bool) -> list[arb]:
 
 
 def right_left_solutions(X: arb, Y: arb, inside: bool) -> tuple[list[arb], list[arb]]:
-    """RL of targets inside or outside the left disc.
+    """RL of targets on one side of a circle.
 
-    The lengths with the second arc above pi come first, then those with it below. In the triangle
-    of C_R, the second circle's centre and T, with sides 2, 1 and d = |T - C_R|, the angle at the
-    second centre exceeds the one at C_R by an angle that goes like p^(3/2). The lengths are T's
-    bearing from C_R plus it, or a full turn less it, and whole turns that make the first arc
-    positive (docs/derivation.md, section 11). The first arc vanishes on the left circle. The two
-    solutions have opposite signs inside it, and the sign of X outside (eq. 5).
+    They are inside the left disc if `inside`, else outside. The lengths with the second arc above
+    pi come first, then those with it below. In the triangle of C_R, the second circle's centre and
+    T, with sides 2, 1 and d = |T - C_R|, the angle at the second centre exceeds the one at C_R by
+    an angle that goes like p^(3/2). The lengths are T's bearing from C_R plus this angle where the
+    second arc is below pi, and plus a full turn less this angle where it is above. Whole turns are
+    added that make the first arc positive (docs/derivation.md, section 11). The first arc vanishes
+    on the left circle. The two solutions have opposite signs inside it, and the sign of X outside
+    (eq. 5).
     """
     p, q = _reach(X, Y)
     if p < 0 or q < 0:
@@ -287,12 +291,14 @@ def right_left_solutions(X: arb, Y: arb, inside: bool) -> tuple[list[arb], list[
     excess = arb.atan2(y, x) if x.mid() > 0 else arb.pi() - arb.atan2(y, -x)
     # from straight up, clockwise as R turns
     bearing = arb.atan2(X, 1 + Y) if Y.mid() > -1 else arb.pi() - arb.atan2(X, -1 - Y)
-    outside = None  # whether first arcs are positive
+    # outside the left disc: whether first arcs next to zero are positive, as X is
+    ahead = None
     if X >= 0:
-        outside = True
+        ahead = True
     elif X < 0:
-        outside = False
-    long, short = (True, False) if inside else (outside, outside)
+        ahead = False
+    # signs for the solutions with the long and the short second arc: opposite inside, equal outside
+    long, short = (True, False) if inside else (ahead, ahead)
     turn = 2 * arb.pi()
     return (
         [bearing - excess + (k + 1) * turn for k in _turns(bearing + at_first, long)],
@@ -327,7 +333,7 @@ def _turns(angle: arb, positive: bool | None) -> list[int]:
 class _Ends(NamedTuple):
     """Ends in the start's frame, as balls.
 
-    X, Y, heading, its sine and cosine.
+    The place is (X, Y). The heading is `turn` (rad), with its sine s and cosine c.
     """
 
     X: arb
@@ -392,9 +398,9 @@ def enclose_pose(start: Pose, end: Pose, radius: float, branch: str = "best") ->
 
     A branch is `best` or one of `WORDS6`; all ends within delta count. The ends are divided by the
     signs of eight functions. All edges of the six words consist of zeros of these functions. Most
-    signs are the same for all ends. For each combination of the others every word exists or does
-    not, and its arcs are whole turns or nothing. So the least of its lengths can be taken
-    (docs/derivation.md, section 15).
+    signs are the same for all ends. Each combination of the others decides whether a word exists,
+    and whether an arc that vanishes is nothing or a whole turn. So the least of the words' lengths
+    can be taken (docs/derivation.md, section 15).
     """
     with ctx.workprec(_BITS):
         ends = _ends(start, end, radius)
@@ -465,6 +471,8 @@ def _lengths(word: str, ends: _Ends, signs: _Signs) -> list[arb]:
 
     For every end, one of them is the length. The list is empty where the word does not exist.
     """
+    # `left` and `right` below: whether the first and the last arc are positive where they are next
+    # to zero; None where the signs do not tell
     if word in ("RSR", "RSL", "RLR"):
         ends = ends.mirrored
         signs = signs.mirrored
@@ -537,7 +545,7 @@ def _direction(x: arb, y: arb) -> arb:
     It is any angle where (x, y) may be the origin.
     """
     if not (x < 0 or x > 0 or y < 0 or y > 0):
-        return arb(0, 4)
+        return arb(0, 4)  # 0 +- 4 holds every angle
     return arb.atan2(y, x) if x.mid() >= 0 else arb.pi() + arb.atan2(-y, -x)
 
 
@@ -565,7 +573,9 @@ def _with_turns(
 ) -> list[arb]:
     """Lengths with outer arcs in [0, 2 pi).
 
-    Whole turns are added to `length` for that. The sum of both outer arcs is `arcs`.
+    Whole turns are added to `length` for that. The outer arcs are `first` and `last`, and `arcs` is
+    their sum. `left` and `right` are the signs of the first and the last arc, where it is next to
+    zero, as `_turns` takes them.
     """
     turn = 2 * arb.pi()
     turns = {m + n for m, n in product(_turns(first, left), _turns(last, right))}

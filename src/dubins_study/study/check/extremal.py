@@ -150,9 +150,9 @@ def _word(u: list[float], length: list[float], free: bool) -> Word | None:
 def pieces(rate: list[float], length: list[float]) -> tuple[list[float], list[float]]:
     """Rates and lengths (radii) of the pieces that matter.
 
-    Rates within `RATE_TOLERANCE` of +1, 0 or -1 are these, and neighbours of one rate are joined. A
-    piece that turns by less than `NO_TURN` is straight, and a straight shorter than `NO_LENGTH` is
-    left out: solvers return such arcs where they mean none.
+    Rates within `RATE_TOLERANCE` of +1, 0 or -1 become these numbers, and neighbours of one rate
+    are joined. A piece that turns by less than `NO_TURN` is straight, and a straight shorter than
+    `NO_LENGTH` is left out: solvers return such arcs where they mean none.
 
     Small things add up, and far away a small turn is a long way. If that merged path ends elsewhere
     or is shorter than the driven one by more than the check allows, it is another path. Then the

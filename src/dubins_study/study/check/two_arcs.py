@@ -10,7 +10,7 @@ from itertools import pairwise
 
 from dubins_study.study.angle import TWO_PI
 
-# largest distance from +1, -1 or 0 of a rate that names a letter
+# largest distance from +1, -1 or 0 of a rate that names a letter, and between two equal rates
 RATE_TOLERANCE = 1e-9
 # Pieces that matter for a certificate (docs/derivation.md, section 9).
 # rad; an arc that turns by less is straight
@@ -40,11 +40,12 @@ def cut_margin(word: Word) -> float:
     of where another path becomes shorter (docs/derivation.md, section 10).
     """
     (turn1, first), (turn2, second), _ = word
-    if turn2 != 0.0:
+    if turn2 != 0.0:  # CC
         longest = 2 * math.atan2(-math.sin(second), 2 - math.cos(second))
         return min(second - math.pi, TWO_PI - second, longest - first)
-    if turn1 == 0.0:
+    if turn1 == 0.0:  # S
         return math.pi
+    # CS, or C with a straight of no length
     return 2 * (math.pi - math.atan(second)) - first
 
 

@@ -105,6 +105,7 @@ def curvature_excess(curvature: Sequence[float], branch: str) -> float:
     if not TURN.keys() >= set(branch):  # no word
         return max(0.0, max(map(abs, curvature)) - 1.0)
     if branch in ("LS", "RS"):
+        # positive where the path turns to the side of the word's first letter
         first = [TURN[branch[0]] * u for u in curvature]
         return max(0.0, max(first) - 1.0, -min(first))
     # for each letter: least excess of the arcs so far, if it drives the last of them

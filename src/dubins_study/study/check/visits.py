@@ -162,7 +162,7 @@ class _Pieces:
     def _nearest_piece(
         self, first: int, begin: int, nearest: FloatArray, distance: FloatArray
     ) -> int:
-        """Piece in which the path is nearest, from `first` on.
+        """Piece that is nearest, from `first` on.
 
         It goes on as long as the path still comes nearer at the end of a piece. `begin` is the
         number of the piece that the arrays begin with.
@@ -216,6 +216,8 @@ class _Pieces:
             return together
 
         end = np.where(distance(begin) <= distance(length), begin, length)
+        # Within the distance: the nearest place of that visit. Else the circle's nearest place, if
+        # it is still ahead on the piece, or else the nearer end of the piece.
         least = np.where(
             within, np.clip(passed, begin, length), np.where(later <= length, later, end)
         )

@@ -116,6 +116,7 @@ def shortest_rows(*columns: ArrayLike, branch: str = "best", out: Rows | None = 
     if branch == "best":
         _best_rows(n, scenarios, rows)
     elif branch in BRANCHES:
+        # `arcs`: two arcs, else one and a straight; `right`: the mirror image of LS or RL
         _word_rows(scenarios, branch in ("LR", "RL"), branch in ("RS", "LR"), rows)
     else:
         raise ValueError(f"no branch {branch!r}; choose one of: {', '.join(BRANCHES)}")
@@ -306,7 +307,7 @@ def _best_rows(begin: int, end: int, scenarios: ScenarioArrays, rows: Rows) -> N
         low, high = chunk_from(chunk, end)
         if _best_chunk(low, high, scenarios, rows):
             for i in range(low, high):
-                # delicate ones, huge headings, radii near underflow
+                # delicate rows, huge headings, radii near underflow: the shortest of all words
                 if not (abs(scenarios.heading[i]) <= LARGEST_ANGLE and rows.length[i] <= LARGEST):
                     _exactly(i, True, False, False, scenarios, rows)
 

@@ -372,4 +372,4 @@ def _best_rows(begin: int, end: int, legs: PoseArrays, rows: Rows) -> None:
         if _best_block(low, high, legs, rows, scratch, waiting):
             for i in range(low, high):
                 if not rows.length[i] <= LARGEST:
-                    _exactly(i, -1, legs, rows)
+                    _exactly(i, -1, legs, rows)  # -1: the shortest of all words

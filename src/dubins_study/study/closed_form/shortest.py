@@ -132,7 +132,7 @@ def shortest_local(target: Local, branch: str = "best") -> Shortest | None:
     None where the branch has none. The only tie of two different paths is straight behind; there LS
     is chosen.
     """
-    if branch in ("RS", "LR"):
+    if branch in ("RS", "LR"):  # LS and RL to the mirror image
         target = target.mirrored
     X, Y, delta = target
     if branch != "best":

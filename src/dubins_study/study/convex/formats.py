@@ -91,6 +91,7 @@ def cbf_text(problem: Problem) -> str:
         parts = [(name, _wider(A), b) for name, A, b in parts]
         parts.append(("QR", cone, np.eye(1, 2 + bent.size, 1)[0]))
         cost = np.append(cost, 1.0)
+    # parts without rows are left out; the last of a part's three values are its rows' ends
     parts = [part for part in parts if part[2].size]
     b = np.concatenate([ends for _, _, ends in parts])
     sections = {

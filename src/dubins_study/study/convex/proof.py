@@ -289,7 +289,7 @@ def judge_convex(
         if numbers is not None and numbers.size == problem.numbers and np.isfinite(numbers).all():
             point = problem.split(numbers)
             verdict, shares = _measure(problem, point, tolerance, low=low, high=high)
-    worst = max(shares.get(name, np.inf) for name in ("miss", "dual_residual", "duality_gap"))
+    worst = max(shares.get(column, np.inf) for column in ("miss", "dual_residual", "duality_gap"))
     wrong = verdict is not Verdict.OPTIMAL and not worst <= tolerance
     false = claim is Claim.INFEASIBLE or (claim is Claim.OPTIMAL and wrong)
     proof = Proof.NONE

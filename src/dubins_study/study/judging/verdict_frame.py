@@ -433,6 +433,7 @@ def _judge_rows(
                 most = max(most, off if driven > 0.0 else 0.0)
                 usual &= (driven == 0.0) | ((driven > 0.0) & (off <= ROUNDED))
             excess[i] = most
+            # until the last loop the verdict is a flag: whether the row is ordinary so far
             verdict[i] = usual & (most <= limits.curvature)
         # compare its end with the target, and its length with the shortest
         for i in range(low, high):

@@ -69,6 +69,7 @@ POSE = Kind(
     task="targets with a final heading",
     fields={"searched": False, "final_heading": True},
     branches=POSE_BRANCHES,
+    # without names: x, y, heading, target_x, target_y, radius, speed
     examples={
         "to a heading, far": Scenario(target_x=6, target_y=-3, final_heading=2.0),
         "to a heading, all at once": Scenario(2, -1, 0.8, -7, 4, 2.5, 3, final_heading=-1.2),

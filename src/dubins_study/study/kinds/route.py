@@ -83,7 +83,8 @@ ROUTE = Kind(
     task="via points, in the order in which they are given",
     fields={"searched": True, "order": False},
     branches=("best",),
-    # 2 to 5 legs in three spacings. The search proves each in less than a second.
+    # 2 to 5 legs in three spacings. The search proves each in less than a second. Without names:
+    # x, y, heading, target_x, target_y, radius, speed.
     examples={
         "2 legs of 9 R to 17 R": Scenario(-3, 4, 2.2, 9, -5, 0.8, 0.6, via=[(4, 7)]),
         "3 legs of 2 R to 4 R": Scenario(0, 0, 0.5, 4.8, 3.9, via=[(2.5, 1), (1, 3.2)]),

@@ -24,7 +24,8 @@ TOUR = replace(
     title="a tour",
     task="via points, in whatever order is shortest",
     fields={"order": True},
-    # 4 to 6 points in three spacings. The search proves each in less than a second.
+    # 4 to 6 points in three spacings. The search proves each in less than a second. Without names:
+    # x, y, heading, target_x, target_y.
     examples={
         "4 points far apart": Scenario(
             *(0, 0, 0.5, 12, 3), via=[(9, -6), (3, 7), (-5, 4), (4, -3)], order="free"

@@ -41,7 +41,7 @@ def verdict(
     path, branch, seen, word = arrived
     radius = scenario.radius
     length = path.length
-    gap = tolerances.gap
+    allowed = tolerances.gap
     best = reference_of(scenario, branch, tolerances)
     # how much shorter the misses of points and headings can make a path
     moved = _STEEP * (scenario.legs * seen.miss + seen.turned * radius)
@@ -50,13 +50,14 @@ def verdict(
         best = reference_of(own_scenario, branch, tolerances)
     if best.path is None or not best.enclosure.exists:
         return Found(Verdict.MISSES, {})
-    low, high = compared(best.enclosure, length, gap * max(best.enclosure.low, radius))
+    low, high = compared(best.enclosure, length, allowed * max(best.enclosure.low, radius))
     above = (length - low) / max(low, radius)
     reference_word = words_of(best.path, best.at, radius)
     columns = {"reference": low, "gap": above, "reference_word": reference_word}
-    if above <= gap:
+    if above <= allowed:
         return Found(Verdict.OPTIMAL, columns)
-    if (length - high) / max(high, radius) <= gap:
+    # longer than the low end of the reference, but not than its high end
+    if (length - high) / max(high, radius) <= allowed:
         return Found(Verdict.UNDECIDED, columns)
     basin = is_wrong_basin(path, word, above, (reference_word,), (best.path.turn,))
     return Found(Verdict.LONGER, columns | {"wrong_basin": basin})

@@ -137,6 +137,7 @@ def least_between(
     if abs(cosine) <= 1.0:
         still = -math.acos(cosine)
         still += TWO_PI * math.ceil((first - still) / TWO_PI)
+    # both ends, two places without slope (`still`), and the kink at `floor`
     for x in (first, last, still, still + TWO_PI, floor):
         if not (first <= x <= last):
             continue

@@ -86,6 +86,7 @@ def _apex_bound(box: Box, circles: Circles) -> float:
     within1 = (m1 - box.h1, m1 + box.h1)
     within2 = (m2 - box.h2, m2 + box.h2)
     best = -math.inf
+    # 0: nu as it is, 1: nu shortened to length 1
     for clipped in range(2 if length > 1.0 else 1):
         rho = min(length, 1.0) if clipped else min(length, LONGEST_COSTATE)
         value, _, _ = separated(box, 1.0, Costate(rho, nu, 0.0, 0.0), within1, within2, -math.inf)
@@ -100,7 +101,7 @@ def _apex_bound(box: Box, circles: Circles) -> float:
 def _long_arcs(box: Box, last: float) -> tuple[bool, bool]:
     """Whether the outer arcs are known above pi.
 
-    Two flags, for the first and the last arc of LSL or LSR.
+    Two flags, for the first and the last arc of LSL (`last` = 1) or LSR (-1).
     """
     if last > 0.0:
         return box.apart & END_LEFT > 0, box.apart & START_LEFT > 0
@@ -112,7 +113,9 @@ def _long_arcs(box: Box, last: float) -> tuple[bool, bool]:
 def _straight_bound(
     box: Box, last: float, direction: float, least: float, most: float, straight: float
 ) -> tuple[float, float, float]:
-    """Bound of LSL or LSR by a unit costate.
+    """Bound of LSL (`last` = 1) or LSR (-1).
+
+    The costate has length 1.
 
     The headings where it is attained are returned too, less the middles of their intervals.
 
@@ -203,7 +206,8 @@ def _edge_bound(box: Box, circles: Circles) -> float:
     halves = (box.h1, box.h2)
     best = -math.inf
     for first in range(2):
-        # tau makes the bound flat in this heading, mu in that of the other arc if it may vanish
+        # tau makes the bound flat in this heading, mu in that of the other arc if it may vanish;
+        # c, `rise2`, `sine2` and `half2` are of the other arc
         a, c = arcs[first], arcs[1 - first]
         rise = slopes[first] - 1.0 + math.cos(a)
         rise2 = slopes[1 - first] - 1.0 + math.cos(c)

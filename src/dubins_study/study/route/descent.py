@@ -116,14 +116,14 @@ def _on_arcs(headings: FloatArray, arc_ends: Sequence[FloatArray]) -> tuple[Floa
     to that of an arc's end differs from it by rounding only.
     """
     moved = headings.copy()
-    others = np.ones(headings.size, np.bool_)
+    off_arcs = np.ones(headings.size, np.bool_)
     for i, ends in enumerate(arc_ends):
         for end in ends:
             away = math.remainder(headings[i] - end, TWO_PI)
             if abs(away) < _BESIDE_ARC:
                 moved[i] -= away
-                others[i] = False
-    return moved, others
+                off_arcs[i] = False
+    return moved, off_arcs
 
 
 def downhill(
@@ -153,22 +153,23 @@ def downhill(
     smooth, _ = _on_arcs(smooth, arc_ends)
     if rests and (np.hypot(*legs.T) >= 4.0).all():  # nothing jumps: a grid finds nothing better
         return smooth
-    others = free
+    movable = free
     before = np.zeros(0, np.bool_)
-    while not np.array_equal(others, before):  # a heading on an arc stays there
-        before = others
+    # a heading that has come to an arc stays there: it is not movable in the next pass
+    while not np.array_equal(movable, before):
+        before = movable
         shorten(legs, gridded, before, (width, _FINE), effort)
         gridded, off_arcs = _on_arcs(gridded, arc_ends)
-        others = free & off_arcs
+        movable = free & off_arcs
     if route_length(legs, gridded) < best + 2.0 * _FINE * len(legs):
-        shorten(legs, gridded, others, (_FINE, _FINEST), effort)
+        shorten(legs, gridded, movable, (_FINE, _FINEST), effort)
         # lengths determine headings only to the square root of their rounding
         words, segments = route_words(legs, gridded)
         inner = np.where(words[:, None] < 4, segments[:, 1:2], segments).min(axis=1) > _FINE
-        others[:-1] &= inner
-        others[1:] &= inner
+        movable[:-1] &= inner
+        movable[1:] &= inner
         polished = gridded.copy()
-        if newton(legs, polished, others) and np.allclose(polished, gridded, rtol=0, atol=_FINE):
+        if newton(legs, polished, movable) and np.allclose(polished, gridded, rtol=0, atol=_FINE):
             gridded = polished
     if rests and route_length(legs, smooth) < route_length(legs, gridded):
         return smooth

@@ -263,7 +263,8 @@ def add_gains(
     A gain is the bound of a part less the box's own bound, which is in `costs`.
 
     Args:
-        mates: for each of n intervals at the leg's end (`at_end`) or start the one at the other.
+        mates: for each of n intervals, the one at the leg's other end. The n intervals are those at
+            the leg's end if `at_end`, else those at its start.
         wanted: shape (n,); nothing is computed for the others.
         halves: with half the interval, the lower and the upper one, shape (2, n).
         both: with half of both intervals, the least of four, between 0 and 1; shape (n,).

@@ -71,8 +71,9 @@ def _triangle_bound(
 def _opposite_bound(box: Box, half: float, slope: float) -> float:
     """Bound of LRL to the start's opposite point.
 
-    That is the point opposite the start on its right circle, or the same backwards. Half and slope
-    are those of the end whose heading is open.
+    If the last heading is open, the leg's end is the point opposite the start on the start's right
+    circle. If the first heading is open, the start is the point opposite the end on the end's. Half
+    and slope are those of the open heading.
     """
     # theta2 - theta1 is pi + t; the arcs are 4 psi - pi + t, concave in t, and exist for t >= 0
     middle = principal(box.c2 - box.c1 - _PI)
@@ -139,6 +140,8 @@ def lrl_bound(box: Box) -> float:
         (rise1 * rate22 - rise2 * rate12) / size,
         (rise2 * rate11 - rise1 * rate21) / size,
     )
+    # Pairs (mu1, mu2) to try: one multiplier that makes the bound flat in the first or in the last
+    # heading, both that make it flat in both, one that gives nu the part `_ALONG` along the axis.
     multipliers = (
         (rise1 / rate11, 0.0),
         (rise2 / rate21, 0.0),

@@ -96,9 +96,9 @@ def search(
     cutoff: float = math.inf,
     known: FloatArray | None = None,
 ) -> Route:
-    """Shortest route, or an interval for its length.
+    """Shortest route, with a proven interval for its length.
 
-    The interval is proven.
+    The interval is within the tolerance, unless a limit or the cutoff ends the search.
 
     Args:
         points: shape (n + 1, 2), in radii, neighbours apart.
@@ -179,7 +179,7 @@ def _through(cost: FloatArray, rows: FloatArray) -> tuple[FloatArray, IntArray]:
 
 
 def _program(begin: FloatArray, costs: list[FloatArray]) -> tuple[list[FloatArray], list[IntArray]]:
-    """Dynamic program over legs, from the costs at its beginning.
+    """Dynamic program over legs, from given first costs.
 
     Returns two lists: for each point the least costs up to each of its intervals, and for each leg
     the intervals from which they come.
@@ -500,6 +500,7 @@ class _Search:
         if self.cyclic:
             before[0] = before[-1]
             after[-1] = after[0]
+        # the legs alone decide: no best route's heading or slope is given
         slopes = [
             potential_slopes(point, rise, fall, math.nan, math.nan, False)
             for point, rise, fall in zip(points, before, after, strict=True)
@@ -568,6 +569,7 @@ class _Search:
             if i in (0, self.n) and not self.cyclic:
                 slope = np.zeros(interval.slope.size)
             else:
+                # before the first round the best route's slope is taken everywhere
                 slope = potential_slopes(
                     interval,
                     before[i],

@@ -87,9 +87,9 @@ def search_tour(
     boxes: float = math.inf,
     tolerance: float = 1e-9,
 ) -> Tour:
-    """Shortest tour, or an interval for its length.
+    """Shortest tour, with a proven interval for its length.
 
-    The interval is proven.
+    The interval is within the tolerance, unless a limit ends the search.
 
     Args:
         stops: two or more different points.
@@ -204,7 +204,7 @@ class _TourSearch:
             if self.n <= _ALL_ORDERS:
                 self._search_all()
             elif size is not None:
-                self._prove(*size[1:])
+                self._prove(*size[1:])  # first intervals at each point, and points remembered
         except SpentError:
             _LOG.info("the search has spent its effort")
         if self.best is None:  # an answer in any case, whatever the limit
@@ -249,10 +249,10 @@ class _TourSearch:
         self._bound()
         self._price()
         lows = []
-        starts = _intervals_at(None, _AT_ENDS)
-        for place in np.flatnonzero(np.sin(starts.middle) > 0.0):
+        circle = _intervals_at(None, _AT_ENDS)
+        for place in np.flatnonzero(np.sin(circle.middle) > 0.0):
             part = copy(self)
-            part.around = starts.at([place])
+            part.around = circle.at([place])
             part.live = self.live.copy()
             part.bounds = self.bounds.copy()
             try:
@@ -544,6 +544,7 @@ class _TourSearch:
                     self.effort.look_at_the_clock()
                     route = self._search_order(order)
                 except SpentError:
+                    # orders that are not searched keep their bounds
                     self.low = max(self.low, min(low, *order_bounds.values()))
                     raise
                 self.searched[order] = route

@@ -35,7 +35,8 @@ CHAIN_BOXES = 2e-5  # boxes that take as long as one sum of two costs
 class Legs(NamedTuple):
     """Costs of the legs between points.
 
-    They are lengths between headings, or bounds of lengths between intervals of headings.
+    On a grid (`_heading_grid`) they are lengths between headings. In the proof (`tour.orders`) they
+    are bounds of lengths between intervals of headings.
     """
 
     begin: IntArray  # where the headings or intervals of each point begin, shape (points + 1,)
@@ -93,6 +94,7 @@ def _shorten(order: IntArray, grid: Legs, effort: Effort) -> float:
     while True:
         effort.spend_or_end(sums * CHAIN_BOXES)
         before = length
+        # the fields of `Legs` are the other arguments, in their order
         length = float(better_order(order, *grid))
         if length == before:
             return length
