@@ -149,7 +149,7 @@ class Path:
             distance: shape (m,), or one number; length unit, clipped to [0, total length].
 
         Returns:
-            Shape (m, 3): x, y (length unit), heading (rad, not wrapped).
+            An array of shape (m, 3) with x, y (length unit) and heading (rad, not wrapped).
         """
         d = np.clip(np.atleast_1d(np.asarray(distance, dtype=np.float64)), 0.0, self._ends[-1])
         if not self.lengths.size:
@@ -165,7 +165,7 @@ class Path:
             speed: length units per time unit.
 
         Returns:
-            Shape (m, 3): x, y (length unit), heading (rad, not wrapped).
+            An array of shape (m, 3) with x, y (length unit) and heading (rad, not wrapped).
         """
         return self.at(np.asarray(time, dtype=np.float64) * real_number(speed))
 

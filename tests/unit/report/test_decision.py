@@ -291,7 +291,7 @@ def test_the_heading_is_the_experiments(results, tmp_path, title, heading):
     both = render([mine, results("other", rows(1, MINE))], tmp_path / "two")
 
     assert f"<h1>{heading}</h1>" in page
-    assert '<p class="asked">Is it mine?</p>' in page
+    assert '<p class="asked">Is it mine?' in page
     assert "<h1>The shortest path of a vehicle that cannot turn tightly</h1>" in both.read_text(
         encoding="utf-8"
     )
