@@ -9,10 +9,14 @@ import threading
 from pathlib import Path
 
 import pytest
+from typer.testing import CliRunner
 
-from dubins_study import run
+from dubins_study import Question, Scenario, run
+from dubins_study.asking.reply import ask
+from dubins_study.cli.app import app
 from dubins_study.experiments.interruption import Interruption
 from dubins_study.experiments.store.folder import done
+from dubins_study.solvers.registry import load
 from tests.live_run import Ended, manifest, quick_experiment, started, wait_for
 
 
@@ -120,3 +124,16 @@ def test_after_a_fresh_run_the_same_command_would_throw_away(experiment, tmp_pat
     assert entry["state"] == "interrupted"
     assert entry["ended"] >= entry["started"]
     assert 0 < entry["seconds"] < 120
+
+
+def test_an_interruption_of_a_compiled_loop_is_one(monkeypatch):
+    """A compiled loop that is interrupted ends with a SystemError."""
+
+    def solve(*_):
+        raise SystemError("returned a result with an exception set") from KeyboardInterrupt()
+
+    monkeypatch.setattr("dubins_study.solvers.analytic.Analytic.solve", solve)
+
+    with pytest.raises(KeyboardInterrupt):
+        ask(load("analytic"), Question(Scenario(target_x=4, target_y=1)))
+    assert CliRunner().invoke(app, ["solve", "4", "1"]).exit_code == 130

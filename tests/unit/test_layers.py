@@ -43,13 +43,13 @@ BUDGETS = {
     "study": 88_100,
     "solvers": 76_600,
     "asking": 5_500,
-    "experiments": 37_900,
+    "experiments": 38_000,
     "conformance": 11_800,
     "report": 77_500,
     "missions": 8_600,
-    "cli": 15_000,
-    "package": 320_900,
-    "tests": 285_000,
+    "cli": 15_050,
+    "package": 321_200,
+    "tests": 285_400,
 }
 
 _LEAVES = (

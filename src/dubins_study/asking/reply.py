@@ -98,6 +98,8 @@ def ask(
         raise
     except BaseException as error:  # a backend's exception is its result
         ended = perf_counter()
+        if isinstance(error.__cause__, KeyboardInterrupt):  # in a compiled loop: a SystemError
+            raise KeyboardInterrupt from None
         if raised is not None:
             raised(error)
         build_s = None

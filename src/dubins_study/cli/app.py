@@ -119,7 +119,10 @@ class _Command(TyperCommand):
         try:
             with Interruption((signal.SIGINT,), at_once=True):  # a library may swallow it
                 return super().invoke(ctx)
-        except KeyboardInterrupt:
+        except (KeyboardInterrupt, SystemError) as error:
+            # a compiled loop turns an interruption into a SystemError
+            if not isinstance(error.__cause__ or error, KeyboardInterrupt):
+                raise
             print(f"{PROGRAM}: interrupted", file=sys.stderr)
             raise typer.Exit(130) from None
 

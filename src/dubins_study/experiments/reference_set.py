@@ -50,7 +50,8 @@ def export_suite(
     Args:
         suite: the name of a packaged experiment, or the path of a TOML file.
         formulation: `paper`, or the spec of a solver in `solvers.export.WRITERS`.
-        out: a folder that is made if it is not there; files of the same names are replaced.
+        out: a folder that is made if it is not there. In a folder of an earlier export files of
+            the same names are replaced; one with anything else is refused.
         progress: called with the number of questions done and the number of all questions.
 
     Raises:
@@ -67,6 +68,7 @@ def export_suite(
     rows: list[dict[str, Any]] = []
     with os_errors_as(f"cannot write to {folder}"):
         folder.mkdir(parents=True, exist_ok=True)
+        _check_folder(folder)
         for done, (id_, question) in enumerate(suite_questions.items(), start=1):
             names = []
             try:
@@ -87,6 +89,14 @@ def export_suite(
             raise ExportError(f"{suite} has no question for {formulation}: {reason}")
         (folder / INSTANCES).write_text(_table(rows), encoding="utf-8")
     return exported
+
+
+def _check_folder(folder: FilePath) -> None:
+    """Refuse a folder with files that are no export's."""
+    names = sorted(path.name for path in folder.iterdir())
+    table = folder / INSTANCES
+    if names and not (table.is_file() and table.read_bytes().startswith(b"id,")):
+        raise ExportError(f"{folder} holds {names[0]!r}, no export; expected an empty folder")
 
 
 def best_known(question: Asked, allowed: Tolerances) -> Answer:
@@ -122,6 +132,7 @@ def _instance(id_: str, question: Asked, allowed: Tolerances) -> dict[str, Any]:
     row |= {"branch": question.branch, "time_limit_s": question.time_limit_s}
     row |= {name: getattr(best, name) for name in _CHECKED}
     row["open"] = is_open
+    row["label"] = " ".join(scenario.label.split())  # each row of the table is one line
     if scenario.heading is None:
         row["heading"] = "free"
     return {name: _cell(value) for name, value in row.items()}

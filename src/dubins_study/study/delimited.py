@@ -6,12 +6,16 @@ Commas or other delimiters stand between the cells.
 from __future__ import annotations
 
 import csv
+import sys
 from collections.abc import Iterable, Sequence
 from typing import Any, NamedTuple
 
 from dubins_study.study.values import did_you_mean, short
 
 _OPEN_QUOTE = "expected each row on a line of its own: is a quotation mark left open?"
+
+
+csv.field_size_limit(sys.maxsize)  # a path of many arcs is a long cell
 
 
 class Row(NamedTuple):

@@ -401,3 +401,34 @@ def test_the_columns_are_those_that_the_documentation_names():
     page = (SOURCE.parents[2] / "docs" / "reference-set.md").read_text()
 
     assert [name for name in COLUMNS if f"| `{name}` |" not in page] == []
+
+
+def test_a_folder_with_other_files_is_not_written_to(tmp_path):
+    """An export replaces an earlier one, and nothing else."""
+    folder = tmp_path / "own"
+    folder.mkdir()
+    (folder / "instances.csv").write_text("precious\n")
+    file = suite(tmp_path, LEGS)
+
+    with pytest.raises(ExportError, match=r"holds 'instances.csv', no export"):
+        export_suite(file, "paper", folder)
+    assert (folder / "instances.csv").read_text() == "precious\n"
+    for _ in range(2):
+        assert export_suite(file, "paper", tmp_path / "new").files
+
+
+def test_a_label_of_two_lines_is_read_back(tmp_path):
+    """So is an answer of ten thousand arcs."""
+    file = suite(
+        tmp_path,
+        'label = "of\\ntwo lines"'.join(("\n[[scenarios]]\n", "\ntarget_x = 4\ntarget_y = 1\n")),
+    )
+    folder = export_suite(file, "paper", tmp_path / "set").folder
+    text = (folder / "instances.csv").read_text().splitlines()
+    arcs = " ".join(["0.25"] * 30_000)
+    longer = tmp_path / "longer.csv"
+    id_ = text[1].partition(",")[0]
+    longer.write_text(f"id,curvatures,lengths\n{id_},{arcs},{arcs}\n")
+
+    assert len(judge_answers(folder / "instances.csv", file)) == 1
+    assert judge_answers(longer, file)["verdict"].tolist() == ["misses"]

@@ -295,3 +295,13 @@ def test_the_heading_is_the_experiments(results, tmp_path, title, heading):
     assert "<h1>The shortest path of a vehicle that cannot turn tightly</h1>" in both.read_text(
         encoding="utf-8"
     )
+
+
+def test_an_unfinished_run_has_its_table(load_rows):
+    """No solver has met enough questions, though all together have."""
+    solvers = ("ipopt", "slsqp", "shooting")
+    scenarios = [Scenario(target_x=4 + n, target_y=2) for n in range(ENOUGH_TO_CHOOSE)]
+    attempts = [attempt(s, solvers[n % 3], claim=Claim.LOCAL) for n, s in enumerate(scenarios)]
+    section = decision_section(load_rows("half", attempts, section="benchmark"))
+
+    assert len(section.blocks[0].frame) == 3

@@ -413,9 +413,7 @@ def test_the_section_has_every_sentence(load_rows):
     shown = {section.title for topic in topics for section in sections_of(topic, loaded)}
     named = {case.find(evidence(case.made(MANY, True))).shown_in for case in CASES}
     assert {name.split(":")[0] for name in named} <= shown | {TITLE, TOURS_TITLE}
-    assert "SCIP takes 3.0" in " ".join(
-        section.blocks[0].frame["sentence"]
-    )
+    assert "SCIP takes 3.0" in " ".join(section.blocks[0].frame["sentence"])
     assert "medians 3.00 ms and 1.00 ms" in " ".join(section.blocks[0].frame["question"])
     assert "is of medians" in section.blocks[0].caption
     assert findings_section(load_rows("few", rows[:6])) is None

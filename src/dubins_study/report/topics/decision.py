@@ -133,7 +133,9 @@ def decision_section(results: Results) -> Section | None:
     rows = rows[~(rows["limit_s"] > least) | plugins]
     plugins = plugins[rows.index]
     rows = rows.assign(experiment=suites(rows))
-    few = bool(rows.groupby("experiment")["question"].nunique().min() < ENOUGH_TO_CHOOSE)
+    # of an unfinished run no solver may have met enough questions, though together they have
+    met = rows.groupby(["experiment", "solver"], observed=True)["question"].nunique()
+    few = bool(met.groupby("experiment").max().min() < ENOUGH_TO_CHOOSE)
     each = few or bool(plugins.any() and len(attempts.methods) <= _MOST_LINES)
     stated = attempts.methods["formulation"].replace(UNSTATED, np.nan)
     formulation = rows["solver"].map(stated)
