@@ -204,7 +204,7 @@ def _liars(rows: pd.DataFrame, table: pd.DataFrame) -> str:
     parts = [liars]
     by_makers = int(rows.loc[false.index, "tolerance"].isna().sum())
     if by_makers:
-        parts.append(f"{count(by_makers)} of them keep the tolerances of the engine's makers.")
+        parts.append(f"{count(by_makers)} of them are at the options of the engine's makers.")
     if denials:
         parts.append(
             f"{some(denials, 'denial')} are counted apart: a local engine reports that no path is "

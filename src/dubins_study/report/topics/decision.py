@@ -163,7 +163,7 @@ def _lead(rows: pd.DataFrame) -> str:
         where = ", or the search with a proof where there are via points"
     return (
         f"If you only need the path, use the closed form{where}: right in time on "
-        f"{count(right)} of {some(exact['question'].nunique(), 'question')}."
+        f"{count(right)} of {some(exact['question'].nunique(), 'question')} that are not open."
     )
 
 

@@ -194,7 +194,7 @@ def presolve(evidence: Evidence) -> Finding | None:
         f"{factors[surest].text()}.",
         factors[surest],
         f"{some(factors[surest].questions, 'question')} with a path, with several guesses a word; "
-        f"medians: {', '.join(parts)}",
+        f"the surer of the medians: {', '.join(parts)}",
         "Cost where it arises",
     )
 
@@ -225,9 +225,10 @@ def price_of_proof(evidence: Evidence) -> Finding | None:
         f"{evidence.methods['engine'][prover]} takes {ratio.text()} times as long as "
         f"{evidence.name(local)}.",
         ratio,
-        f"{evidence.medians_of(prover, local)}; the fastest methods with and without a proof on "
-        "one formulation, which know the same of the answer. The method without a proof is right "
-        f"on {right.percent_text()} of the questions that the other answers",
+        f"{evidence.medians_of(prover, local)}; those of least mean time, failures counted as the "
+        "limit, with and without a proof, of one formulation and with the same knowledge of the "
+        f"answer. The method without a proof is right on {right.percent_text()} of the questions "
+        "that the other answers",
         RANKS,
     )
 

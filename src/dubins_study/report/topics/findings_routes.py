@@ -136,10 +136,11 @@ def proof_of_routes(evidence: Evidence) -> Finding | None:
         f"Use the search for a route: within its limit it proves {proved.percent_text()} of the "
         f"routes of 2 to {most} legs.",
         proved,
-        f"{some(proved.questions, 'route')}, open ones too: {'; '.join(parts)}. Beside it stands "
-        f"the fastest of those right most often. With {most} legs it takes {seconds(longest)}. The "
-        f"best supported without a proof, {_named(evidence, ranked.index[0])}, is right on "
-        f"{rival.percent_text()} of those not open",
+        f"{some(proved.questions, 'route')}, open ones too: {'; '.join(parts)}. Times are of "
+        "routes that both get right; beside it stands the engine right most often, of equal ones "
+        f"the fastest. With {most} legs it takes {seconds(longest)}. The best supported without a "
+        f"proof, {_named(evidence, ranked.index[0])}, is right on {rival.percent_text()} of those "
+        "not open",
         TITLE,
     )
 
