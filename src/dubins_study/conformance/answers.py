@@ -298,15 +298,16 @@ def _of_bound(answer: Answer) -> Iterator[_Observed]:
 def united(*findings: Iterable[Finding]) -> list[Finding]:
     """The findings, one for each reason.
 
-    Of the findings with one reason the first is kept, and its `count` is the sum of all counts.
-    They have the same part, status and last frame, and the same advice. Findings about no answer
-    have the same observation instead.
+    Two findings have one reason if `kind`, `status`, advice and the traceback's last frame agree.
+    Without a `kind`, the observation must agree instead of the advice. The first one is kept, and
+    its `count` is the sum of all counts.
     """
     groups: dict[tuple[object, ...], list[Finding]] = {}
     for finding in chain(*findings):
         reason: object = finding.observed
         if finding.kind:
             reason = finding.advice or finding.kind
+        # the last line is the error, the one before it the frame; empty without a traceback
         last_frame = finding.traceback.splitlines()[-2:-1]
         groups.setdefault((finding.kind, finding.status, reason, *last_frame), []).append(finding)
     return [

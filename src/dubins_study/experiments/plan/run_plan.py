@@ -287,8 +287,9 @@ def _checked(
 ) -> ExperimentFile:
     """The experiment of a file, with some keys changed.
 
-    `source` is the result of `text_of`. `changes` replace keys of the file, and the same keys of
-    its blocks; `defaults` are values of keys that the file lacks. Scenarios are not made here.
+    `source` is the result of `text_of`. `changes` replace keys of the file; `solvers` and
+    `time_limit_s` are then removed from its blocks. `defaults` are values of keys that the file
+    lacks. Scenarios are not made here.
     """
     _, path, text = source
     fields = {**(defaults or {}), **fields_of(path, text), **changes}

@@ -141,7 +141,8 @@ def open_folder(folder: FilePath, manifest: Manifest, restart: bool) -> tuple[Ma
                     )
             # The user may have deleted the folder of parts to start again; rows need it.
             (folder / PARTS).mkdir(exist_ok=True)
-            joined = manifest.with_changes(  # whose rows name their own versions
+            # The new entries of solvers replace earlier ones: each row names its own versions.
+            joined = manifest.with_changes(
                 created=earlier.created,
                 finished=earlier.finished,
                 solvers={**earlier.solvers, **manifest.solvers},

@@ -122,7 +122,9 @@ def _selections(topic: Topic, results: Results) -> dict[str, Results]:
 def _of_kinds(keys: Mapping[str, str | None]) -> dict[General, set[str]]:
     """The names of the experiments of each general kind.
 
-    `keys` maps each experiment to the key `section` of its file, or None.
+    `keys` maps each experiment to the key `section` of its file, or None. A study is an experiment
+    whose key has a topic of its own. It counts in a general kind only if that topic lists the kind
+    in `enters`.
     """
     studies = {topic.about for topic in TOPICS}
     admitted = {kind: {topic.about for topic in TOPICS if kind in topic.enters} for kind in General}

@@ -154,17 +154,19 @@ def where_engines_stop(evidence: Evidence) -> Finding | None:
     """
     rows = routes_of(evidence)
     rows = rows[rows["legs"] >= _LONG]
-    hardest: dict[str, Estimate] = {}  # by label: the share of its best-supported engine
+    best_shares: dict[str, Estimate] = {}  # of the best-supported engine of each label
     for label, of_label in rows.groupby("label"):
         ranked = _by_support(evidence, of_label)
         if len(ranked) and ranked["trials"].iloc[0] >= ENOUGH:
             line = ranked.iloc[0]
             several = len(ranked) * rows["label"].nunique() * evidence.of
-            hardest[str(label)] = chosen_share(line["share"], int(line["trials"]), several)
-    if not hardest:
+            best_shares[str(label)] = chosen_share(line["share"], int(line["trials"]), several)
+    if not best_shares:
         return None
-    label = min(hardest, key=hardest.__getitem__)  # the least share: tuples compare by `value`
-    share = hardest[label]
+    label = min(
+        best_shares, key=best_shares.__getitem__
+    )  # the least share: tuples compare by `value`
+    share = best_shares[label]
     chosen = rows[rows["label"] == label]
     ranked = _by_support(evidence, chosen)
     search = _search(evidence)

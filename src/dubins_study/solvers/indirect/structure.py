@@ -80,7 +80,8 @@ class Structure:
     def unknowns(self, costates: FloatArray, durations: FloatArray) -> FloatArray:
         """The unknowns that `residual` takes.
 
-        `costates` has shape (4,). `durations` (2,) are in radii.
+        `costates` has shape (4,). `durations` (2,) are in radii; the second one becomes a multiple
+        of `unit`.
         """
         return np.concatenate((costates, durations / (1.0, self.unit)))
 

@@ -387,7 +387,8 @@ class _Signs(NamedTuple):
     def possible(self) -> bool:
         """Whether an end can have these signs.
 
-        The left circle's function is below the right one's, by 2 (1 - cos).
+        The left circle's function is less than the right one's, by 2 (1 - cos turn). So if the left
+        one is not negative, neither is the right one.
         """
         return self.start_right >= self.start_left and self.end_right >= self.end_left
 

@@ -70,17 +70,18 @@ class Extremal(NamedTuple):
 def measure(path: Path, radius: float, free: bool = True) -> tuple[Extremal | None, float | None]:
     """Costates of a one-leg path, and its cut margin.
 
-    The path is one that can be driven; `free` says whether its final heading is. The cut margin is
-    measured if `free`. It says by how much (rad) a path stays clear of where another one becomes
-    shorter. A path with a margin above zero is shortest to its own end point, and only such a path
-    is (docs/derivation.md, section 10).
+    The path must be one that can be driven. `free` says whether the final heading is free. The cut
+    margin says by how much (rad) a path stays clear of where another one becomes shorter. A path
+    with a margin above zero is shortest to its own end point, and only such a path is
+    (docs/derivation.md, section 10).
 
-    The margin is None if the path is not of a word S, C, CS or CC at full rate, which no shortest
-    path can be. Both are None for a path whose numbers overflow in units of the radius, which fits
-    no scenario.
+    The margin is None if the final heading is given, or if the path is no S, C, CS or CC at full
+    rate, as every shortest path is. It is pi for a path without pieces. Both results are None for a
+    path whose numbers overflow in units of the radius, which fits no scenario.
     """
     rates = [k * radius for k in path.curvatures.tolist()]
     lengths = [length / radius for length in path.lengths.tolist()]
+    # overflows if any rate, length or turn does
     turns = sum(abs(u) * length + abs(u) for u, length in zip(rates, lengths, strict=True))
     if not math.isfinite(turns + sum(lengths)):
         return None, None

@@ -80,9 +80,10 @@ def _jumps(legs: Sequence[Conditions], free: bool) -> list[int]:
 def _measure(
     legs: Sequence[Conditions], free: bool, heading: float, jumps: Sequence[int], until: float
 ) -> Extremal | None:
-    """Costates that fit best, with residuals.
+    """Costates of the last leg, with the worst residuals.
 
-    None where `route_costates` has none.
+    The costates are in the world frame; the residuals are the worst of all legs. `heading` is the
+    start's. `jumps` and `until` are as in `route_costates`; None where that has none.
     """
     fitted = route_costates(legs, free, jumps, until)
     if fitted is None:
