@@ -137,8 +137,8 @@ def proof_of_routes(evidence: Evidence) -> Finding | None:
         f"routes of 2 to {most} legs.",
         proved,
         f"{some(proved.questions, 'route')}, open ones too: {'; '.join(parts)}. Times are of "
-        "routes that both get right; beside it stands the engine right most often, of equal ones "
-        f"the fastest. With {most} legs it takes {seconds(longest)}. The best supported without a "
+        "routes that both get right, beside the engine right most often. "
+        f"With {most} legs it takes {seconds(longest)}. The best supported without a "
         f"proof, {_named(evidence, ranked.index[0])}, is right on {rival.percent_text()} of those "
         "not open",
         TITLE,
