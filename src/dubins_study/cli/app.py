@@ -121,7 +121,7 @@ class _Command(TyperCommand):
                 return super().invoke(ctx)
         except (KeyboardInterrupt, SystemError) as error:
             # a compiled loop turns an interruption into a SystemError
-            if not isinstance(error.__cause__ or error, KeyboardInterrupt):
+            if KeyboardInterrupt not in (type(error), type(error.__cause__)):
                 raise
             print(f"{PROGRAM}: interrupted", file=sys.stderr)
             raise typer.Exit(130) from None

@@ -48,16 +48,15 @@ def _by_support(evidence: Evidence, rows: pd.DataFrame) -> pd.DataFrame:
     return by_support(engines, ["solver"])
 
 
-def _named(evidence: Evidence, *solvers: str) -> str:
-    """Names of methods, joined by "and".
+def _named(evidence: Evidence, solver: str, column: str = "name") -> str:
+    """A method's name, and whether the words are given to it.
 
-    The text adds that the words are given, if this holds for all of the solvers.
+    `column` is that of `Evidence.methods` with the name.
     """
-    words_given = all("words" in evidence.knows(solver).split() for solver in solvers)
-    names = " and ".join(map(evidence.name, solvers))
-    if words_given:
-        names += " (given the words)"
-    return names
+    name = str(evidence.methods[column][solver])
+    if "words" in evidence.knows(solver).split():
+        name += " (given the words)"
+    return name
 
 
 def _search(evidence: Evidence) -> pd.DataFrame:
@@ -121,9 +120,7 @@ def proof_of_routes(evidence: Evidence) -> Finding | None:
             each = evidence.compared.bootstrap(both, means, "value", fastest, of=evidence.of)
             ratio = estimate_of(each.loc[[EXACT]], len(both))
             ratios.append(ratio)
-            engine = evidence.methods["engine"][fastest]
-            if "words" in evidence.knows(fastest).split():
-                engine = f"{engine} (given the words)"
+            engine = _named(evidence, fastest, "engine")
             part += f", {ratio.text()} times as slow as {engine}"
         parts.append(part)
     if not any(ratio.is_clear(1.0) for ratio in ratios):
